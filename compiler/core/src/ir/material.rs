@@ -1,0 +1,53 @@
+//! Materials: how a surface scatters light.
+
+use super::Color;
+
+/// A named scattering function.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// As the author wrote it; need not be a word.
+    pub name: String,
+    /// What it does.
+    pub bsdf: Bsdf,
+}
+
+/// The four basic scattering functions. Diffuse, conductor and mirror scatter on both sides alike.
+///
+/// | | Mitsuba | PBRT v3 | PBRT v4 | LuxCore | glTF |
+/// |---|---|---|---|---|---|
+/// | `Diffuse` | `twosided`, `diffuse` | `matte` | `diffuse` | `matte` | metallic 0, roughness 1, specular 0 |
+/// | `Conductor` | `twosided`, `roughconductor` ggx | `metal` | `conductor` | `metal2` | metallic 1, roughness sqrt(alpha) |
+/// | `Dielectric` | `dielectric`, `roughdielectric` ggx | `glass` | `dielectric` | `glass` | transmission, volume, ior |
+/// | `Mirror` | `twosided`, `conductor` none | `mirror` | `conductor` reflectance | `mirror` | metallic 1, roughness 0 |
+#[derive(Clone, Debug, PartialEq)]
+pub enum Bsdf {
+    /// Lambertian reflection.
+    Diffuse {
+        /// Share of light reflected, 0..1 per channel.
+        reflectance: Color,
+    },
+    /// Metal: GGX microfacets with the Fresnel term of a complex index of refraction against vacuum.
+    Conductor {
+        /// Real part of the index of refraction, > 0 per channel.
+        eta: Color,
+        /// Imaginary part (extinction), >= 0 per channel.
+        k: Color,
+        /// GGX width, >= 0; 0 is smooth.
+        alpha: f64,
+    },
+    /// Clear glass or water: reflects and refracts, absorbs nothing. Radiance scales with the square of the relative
+    /// index of refraction when it is refracted.
+    Dielectric {
+        /// Index of refraction behind the normals, > 0.
+        interior: f64,
+        /// Index of refraction in front of the normals, > 0.
+        exterior: f64,
+        /// GGX width, >= 0; 0 is smooth.
+        alpha: f64,
+    },
+    /// Ideal specular reflection without a Fresnel term.
+    Mirror {
+        /// Share of light reflected, 0..1 per channel.
+        reflectance: Color,
+    },
+}
