@@ -1,9 +1,46 @@
 //! Scene to Scene: what is simplified before any target sees the scene.
+//!
+//! One pass per file. No pass changes what is seen: the triangles in scene space, their order within a shape, their
+//! fronts, materials and emissions stay as they are. A scene that is not valid passes through unharmed.
+
+mod bake;
+mod merge;
+mod normals;
 
 use crate::diag::Finding;
 use crate::ir::Scene;
 
+/// A step of [`lower`].
+#[derive(Clone, Copy, Debug)]
+pub struct Pass {
+    /// The name of its file.
+    pub name: &'static str,
+    /// What it does, in one sentence.
+    pub summary: &'static str,
+    /// Runs it; what it changed comes back as findings.
+    pub run: fn(Scene) -> (Scene, Vec<Finding>),
+}
+
+/// All passes in their order: normals first, because baking moves them; merging last, because it sees what is equal then.
+pub static PASSES: &[Pass] = &[normals::PASS, bake::PASS, merge::PASS];
+
 /// Runs all passes in their order; what they changed comes back as findings.
 pub fn lower(scene: Scene) -> (Scene, Vec<Finding>) {
-    (scene, Vec::new())
+    // Passes follow handles. A broken one is for validation to report.
+    let sound = |shape: &crate::ir::Shape| {
+        shape.mesh.index() < scene.meshes.len() && shape.material.index() < scene.materials.len()
+    };
+    if !scene.shapes.values().all(sound) {
+        return (scene, Vec::new());
+    }
+    let mut findings = Vec::new();
+    let scene = PASSES.iter().fold(scene, |scene, pass| {
+        let (scene, found) = (pass.run)(scene);
+        findings.extend(found);
+        scene
+    });
+    (scene, findings)
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,31 +1,47 @@
 //! Generators and mesh arithmetic, and mesh files.
+//!
+//! One generator or stage per file. Coordinates go in as `f64`, are computed as `f64` and rounded once to the `f32` of
+//! the Scene; angles are degrees. A function that gives a [`Geometry`] gives a consistent one: see [`Geometry::check`].
 
-use std::sync::Arc;
+mod boxed;
+mod error;
+mod faceted;
+pub mod file;
+mod flip;
+mod geometry;
+mod measure;
+mod rectangle;
+mod smooth;
+mod sphere;
+mod split;
+mod transform;
+mod triangles;
 
-use crate::ir::Mesh;
+pub use boxed::boxed;
+pub use error::MeshError;
+pub use faceted::faceted;
+pub use flip::flip;
+pub use geometry::Geometry;
+pub use measure::{
+    View, area, bounds, degenerate_triangles, face_normal, is_closed, largest_normal_deviation, signed_volume,
+};
+pub use rectangle::{Axis, Extent, SignedAxis, rectangle};
+pub use smooth::smooth;
+pub use sphere::sphere;
+pub use transform::{transform, transform_normals, transform_positions};
+pub use triangles::triangles;
 
-/// A triangle mesh in the making; the arrays mean what they mean in [`Mesh`].
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Geometry {
-    /// Vertex positions in scene units.
-    pub positions: Vec<[f32; 3]>,
-    /// Unit normals, one for each position.
-    pub normals: Option<Vec<[f32; 3]>>,
-    /// Texture coordinates, one for each position.
-    pub uvs: Option<Vec<[f32; 2]>>,
-    /// Indices into `positions`, counter-clockwise seen from the side of the normal.
-    pub triangles: Vec<[u32; 3]>,
-}
+/// The largest number of triangles that a generator makes.
+pub const MAX_TRIANGLES: u64 = 50_000_000;
 
-impl Geometry {
-    /// The finished mesh.
-    pub fn into_mesh(self, name: impl Into<String>) -> Mesh {
-        Mesh {
-            name: name.into(),
-            positions: Arc::new(self.positions),
-            normals: self.normals.map(Arc::new),
-            uvs: self.uvs.map(Arc::new),
-            triangles: Arc::new(self.triangles),
-        }
-    }
+/// How far the length of a normal may be from 1.
+pub const UNIT_TOLERANCE: f64 = 1e-3;
+
+/// Whether the vector is finite and its length within [`UNIT_TOLERANCE`] of 1.
+pub fn is_unit(normal: [f32; 3]) -> bool {
+    let [x, y, z] = normal.map(f64::from);
+    // Squared, because roots of millions of normals take time. A NaN lies in no range.
+    const LEAST: f64 = (1.0 - UNIT_TOLERANCE) * (1.0 - UNIT_TOLERANCE);
+    const MOST: f64 = (1.0 + UNIT_TOLERANCE) * (1.0 + UNIT_TOLERANCE);
+    (LEAST..=MOST).contains(&(x * x + y * y + z * z))
 }

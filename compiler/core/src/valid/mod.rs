@@ -1,4 +1,15 @@
 //! What every emitter may rely on.
+//!
+//! A [`Valid`] scene has at least one shape and one camera, a name, and handles that point into its arenas. Its meshes have
+//! triangles, indices in range, finite numbers and unit normals where they have any. Its materials, cameras and
+//! settings lie in the ranges that [`crate::ir`] documents. One file per entity; each function adds all it finds.
+
+mod camera;
+mod material;
+mod mesh;
+mod names;
+mod settings;
+mod shape;
 
 use std::ops::Deref;
 
@@ -25,6 +36,20 @@ impl Valid {
 }
 
 /// Checks everything an emitter relies on; all findings, not the first.
+///
+/// # Errors
+/// Findings of severity `Error` (`invalid-...`: the scene is malformed) and `Deny` (`reflectance-over-one`: it is
+/// well-formed, but no physical scene). A scene with either is not valid.
 pub fn validate(scene: Scene) -> Result<Valid, Vec<Finding>> {
-    Ok(Valid(scene))
+    let mut findings = Vec::new();
+    names::check(&scene, &mut findings);
+    mesh::check(&scene, &mut findings);
+    material::check(&scene, &mut findings);
+    shape::check(&scene, &mut findings);
+    camera::check(&scene, &mut findings);
+    settings::check(&scene, &mut findings);
+    if findings.is_empty() { Ok(Valid(scene)) } else { Err(findings) }
 }
+
+#[cfg(test)]
+mod tests;

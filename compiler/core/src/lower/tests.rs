@@ -1,0 +1,216 @@
+//! Lowering keeps what is seen: the triangles in scene space, to single precision, with their fronts.
+
+use proptest::prelude::*;
+
+use super::*;
+use crate::diag::Origin;
+use crate::ir::*;
+use crate::mesh::{Geometry, boxed, largest_normal_deviation, signed_volume, transform_normals};
+
+fn scene() -> Scene {
+    Scene {
+        name: "test".to_owned(),
+        origin: Origin::Made,
+        documentation: Documentation::default(),
+        meshes: Arena::default(),
+        materials: Arena::default(),
+        shapes: Arena::default(),
+        cameras: Arena::default(),
+        film: Film { width: 1, height: 1, filter: Filter::Box { radius: 0.5 } },
+        integrator: Integrator::Path { max_depth: 1 },
+        sampler: Sampler::Independent { samples: 1, seed: 0 },
+    }
+}
+
+fn cube() -> Geometry {
+    boxed([0.0; 3], [1.0, 2.0, 3.0]).expect("a good box")
+}
+
+fn material(scene: &mut Scene, name: &str) -> Handle<Material> {
+    let bsdf = Bsdf::Diffuse { reflectance: Color::Grey(0.5) };
+    scene.materials.push(Material { name: name.to_owned(), bsdf }, Origin::Made)
+}
+
+fn place(scene: &mut Scene, mesh: Handle<Mesh>, transform: Affine) {
+    let name = format!("shape {}", scene.shapes.len());
+    let first = scene.materials.iter().next().map(|(handle, _)| handle);
+    let material = first.unwrap_or_else(|| material(scene, "white"));
+    scene.shapes.push(Shape { name, mesh, transform, material, emission: None }, Origin::Made);
+}
+
+/// The triangles of each shape in scene space with the normals of their corners, each triangle from its smallest corner.
+fn seen(scene: &Scene) -> Vec<Vec<[[f64; 6]; 3]>> {
+    let of = |shape: &Shape| {
+        let mesh = &scene.meshes[shape.mesh];
+        let normals = mesh.normals.as_ref().expect("normals");
+        let normals = transform_normals(normals, &shape.transform);
+        let mirrors = shape.transform.determinant() < 0.0;
+        let triangle = |corners: &[u32; 3]| {
+            let mut corners = corners.map(|index| {
+                let [x, y, z] = shape.transform.point(mesh.positions[index as usize].map(f64::from));
+                let [a, b, c] = normals[index as usize].map(f64::from);
+                [x, y, z, a, b, c]
+            });
+            if mirrors {
+                corners.swap(1, 2);
+            }
+            corners
+        };
+        mesh.triangles.iter().map(triangle).collect()
+    };
+    scene.shapes.values().map(of).collect()
+}
+
+fn assert_same_picture(before: &Scene, after: &Scene) {
+    let (before, after) = (seen(before), seen(after));
+    assert_eq!(before.len(), after.len());
+    for (one, other) in before.iter().flatten().flatten().zip(after.iter().flatten().flatten()) {
+        for (a, b) in one.iter().zip(other) {
+            assert!((a - b).abs() <= 1e-5 * (1.0 + a.abs()), "{one:?} {other:?}");
+        }
+    }
+}
+
+fn turned() -> Affine {
+    Affine::rotation([0.0, 0.6, 0.8], 30.0).then(&Affine::translation([1.0, 2.0, 3.0]))
+}
+
+#[test]
+fn one_use_is_baked_and_several_keep_their_transforms() {
+    let mut before = scene();
+    let alone = before.meshes.push(cube().into_mesh("alone"), Origin::Made);
+    let shared = before.meshes.push(boxed([0.0; 3], [1.0; 3]).expect("a good box").into_mesh("shared"), Origin::Made);
+    place(&mut before, alone, turned());
+    place(&mut before, shared, turned());
+    place(&mut before, shared, Affine::IDENTITY);
+    let (after, findings) = lower(before.clone());
+    assert_same_picture(&before, &after);
+    let transforms: Vec<_> = after.shapes.values().map(|shape| shape.transform).collect();
+    assert_eq!(transforms, [Affine::IDENTITY, turned(), Affine::IDENTITY]);
+    assert_eq!((after.meshes.len(), findings.len(), findings[0].id), (2, 1, "loss-baked"));
+    let (again, findings) = lower(after.clone());
+    assert_eq!((again, findings.len()), (after, 0));
+}
+
+#[test]
+fn mirrored_uses_get_their_own_mesh_and_keep_their_front() {
+    let mirror = Affine::scaling([-1.0, 1.0, 1.0]).then(&turned());
+    for others in 0..2 {
+        let mut before = scene();
+        let mesh = before.meshes.push(cube().into_mesh("cube"), Origin::Made);
+        place(&mut before, mesh, mirror);
+        for _ in 0..others {
+            place(&mut before, mesh, turned());
+        }
+        let (after, _) = lower(before.clone());
+        assert_same_picture(&before, &after);
+        assert!(after.shapes.values().all(|shape| shape.transform.determinant() > 0.0));
+        for mesh in after.meshes.values() {
+            assert!((signed_volume(mesh.into()) - 6.0).abs() < 1e-4);
+            assert!(largest_normal_deviation(mesh.into()).expect("normals") < 1e-3);
+        }
+    }
+}
+
+#[test]
+fn missing_normals_are_those_of_the_faces() {
+    let mut before = scene();
+    let mut geometry = cube();
+    geometry.normals = None;
+    geometry.triangles.push([0, 0, 1]);
+    let mesh = before.meshes.push(geometry.into_mesh("bare"), Origin::Made);
+    place(&mut before, mesh, Affine::IDENTITY);
+    let (after, findings) = lower(before);
+    let mesh = after.meshes.values().next().expect("one mesh");
+    assert_eq!((mesh.name.as_str(), mesh.triangles.len()), ("bare", 12));
+    assert_eq!(largest_normal_deviation(mesh.into()), Some(0.0));
+    assert_eq!((findings.len(), findings[0].id), (1, "loss-baked"));
+    assert!(findings[0].message.contains("`bare`") && findings[0].notes[0].starts_with("1 triangle"));
+}
+
+#[test]
+fn equal_meshes_become_one_and_unused_things_go() {
+    let mut before = scene();
+    let unused = before.meshes.push(boxed([0.0; 3], [9.0; 3]).expect("a good box").into_mesh("unused"), Origin::Made);
+    let one = before.meshes.push(cube().into_mesh("one"), Origin::Made);
+    let two = before.meshes.push(cube().into_mesh("two"), Origin::Made);
+    let mut other = cube();
+    other.uvs = None;
+    let other = before.meshes.push(other.into_mesh("other"), Origin::Made);
+    assert_eq!(unused.index(), 0);
+    material(&mut before, "first");
+    material(&mut before, "unused");
+    for mesh in [two, one, other] {
+        place(&mut before, mesh, Affine::IDENTITY);
+    }
+    let (after, findings) = lower(before.clone());
+    assert_same_picture(&before, &after);
+    let names: Vec<_> = after.meshes.values().map(|mesh| mesh.name.as_str()).collect();
+    assert_eq!(names, ["one", "other"]);
+    let meshes: Vec<_> = after.shapes.values().map(|shape| shape.mesh.index()).collect();
+    assert_eq!(meshes, [0, 0, 1]);
+    assert_eq!((after.materials.len(), findings.len()), (1, 0));
+}
+
+#[test]
+fn zero_and_minus_zero_are_different_bits() {
+    let mut before = scene();
+    let flat = |z: f32| Geometry {
+        positions: vec![[0.0, 0.0, z], [1.0, 0.0, z], [0.0, 1.0, z]],
+        normals: Some(vec![[0.0, 0.0, 1.0]; 3]),
+        uvs: None,
+        triangles: vec![[0, 1, 2]],
+    };
+    for z in [0.0, -0.0] {
+        let mesh = before.meshes.push(flat(z).into_mesh("flat"), Origin::Made);
+        place(&mut before, mesh, Affine::IDENTITY);
+    }
+    assert_eq!(lower(before).0.meshes.len(), 2);
+}
+
+#[test]
+fn broken_scenes_pass_through() {
+    let mut other = scene();
+    other.meshes.push(cube().into_mesh("a"), Origin::Made);
+    let beyond = other.meshes.push(cube().into_mesh("b"), Origin::Made);
+    let mut broken = scene();
+    place(&mut broken, beyond, turned());
+    assert_eq!(lower(broken.clone()), (broken, vec![]));
+
+    let mut singular = scene();
+    let mesh = singular.meshes.push(cube().into_mesh("a"), Origin::Made);
+    place(&mut singular, mesh, Affine::scaling([1.0, 0.0, 1.0]));
+    assert_eq!(lower(singular.clone()), (singular, vec![]));
+
+    let mut indices = scene();
+    let bad = Geometry { triangles: vec![[0, 1, 2]], ..Geometry::default() };
+    let mesh = indices.meshes.push(bad.into_mesh("a"), Origin::Made);
+    place(&mut indices, mesh, Affine::IDENTITY);
+    assert_eq!(lower(indices.clone()), (indices, vec![]));
+}
+
+proptest! {
+    #[test]
+    fn any_scene_looks_the_same(uses in prop::collection::vec((0_usize..3, any::<[i8; 9]>()), 1..12)) {
+        let mut before = scene();
+        let meshes: Vec<_> = (1..4).map(|size| {
+            // The last two are equal.
+            let hi = f64::from(i32::min(size, 2));
+            before.meshes.push(boxed([0.0; 3], [hi; 3]).expect("a good box").into_mesh("m"), Origin::Made)
+        }).collect();
+        for (mesh, [sx, sy, sz, ax, ay, degrees, tx, ty, tz]) in uses {
+            let scale = [sx, sy, sz].map(|s| if s == 0 { 1.0 } else { f64::from(s) / 32.0 });
+            let axis = normalized([f64::from(ax), f64::from(ay), 1.0]).expect("not zero");
+            let map = Affine::scaling(scale)
+                .then(&Affine::rotation(axis, f64::from(degrees)))
+                .then(&Affine::translation([tx, ty, tz].map(f64::from)));
+            place(&mut before, meshes[mesh], map);
+        }
+        let (after, _) = lower(before.clone());
+        assert_same_picture(&before, &after);
+        for shape in after.shapes.values() {
+            prop_assert!(shape.transform.determinant() > 0.0);
+        }
+        prop_assert_eq!(lower(after.clone()).0, after);
+    }
+}

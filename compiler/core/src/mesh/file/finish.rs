@@ -1,0 +1,121 @@
+//! What all mesh files have in common once they are decoded: finite numbers, unit normals, polygons cut into triangles.
+
+use super::{FileError, Note, plural};
+use crate::ir::normalized;
+use crate::mesh::{Geometry, is_unit};
+
+/// Polygons on their way to triangles.
+#[derive(Default)]
+pub(super) struct Faces {
+    pub triangles: Vec<[u32; 3]>,
+    /// Faces of more than three corners.
+    polygons: u64,
+    /// Faces of fewer than three corners, and where the first one is.
+    small: u64,
+    first_small: Option<String>,
+}
+
+impl Faces {
+    /// Adds a polygon as a fan around its first corner.
+    pub fn push(&mut self, corners: &[u32], place: impl FnOnce() -> String) {
+        match corners {
+            [a, b, c] => self.triangles.push([*a, *b, *c]),
+            [] | [_] | [_, _] => {
+                self.small += 1;
+                self.first_small.get_or_insert_with(place);
+            }
+            [first, rest @ ..] => {
+                self.polygons += 1;
+                self.triangles.extend(rest.windows(2).map(|pair| [*first, pair[0], pair[1]]));
+            }
+        }
+    }
+
+    /// The triangles; what was changed is added to `notes`.
+    ///
+    /// # Errors
+    /// No triangles.
+    pub fn finish(self, notes: &mut Vec<Note>) -> Result<Vec<[u32; 3]>, FileError> {
+        if let Some(place) = self.first_small {
+            let message = format!("{} with fewer than 3 corners left out", plural(self.small, "face"));
+            notes.push(Note::warn(place, message));
+        }
+        if self.polygons > 0 {
+            let message = format!("{} with more than 3 corners cut into triangles", plural(self.polygons, "face"));
+            let help = "cut them in the program that made the file if they are not convex";
+            notes.push(Note::info("", message).help(help));
+        }
+        if self.triangles.is_empty() {
+            return Err(FileError::new("", "the file has no triangles")
+                .help("a mesh needs faces; points, lines and triangle strips cannot be used"));
+        }
+        Ok(self.triangles)
+    }
+}
+
+/// Checks the numbers of a geometry whose indices are in range, and normalises its normals. `place` says where a vertex
+/// stands in the file.
+pub(super) fn finish(
+    geometry: &mut Geometry,
+    notes: &mut Vec<Note>,
+    place: impl Fn(usize) -> String,
+) -> Result<(), FileError> {
+    let Geometry { positions, normals, uvs, triangles } = geometry;
+    let unfit = |at: usize, what: &str| {
+        FileError::new(place(at), format!("the {what} of vertex {at} is not finite in single precision"))
+            .help("repair the mesh in the program that made the file")
+    };
+    if let Some(at) = positions.iter().position(|p| !p.iter().all(|x| x.is_finite())) {
+        return Err(unfit(at, "position"));
+    }
+    if let Some(at) = uvs.iter().flatten().position(|uv| !uv.iter().all(|x| x.is_finite())) {
+        return Err(unfit(at, "texture coordinate"));
+    }
+    let Some(normals) = normals else { return Ok(()) };
+    let Some(first) = normals.iter().position(|normal| !is_unit(*normal)) else { return Ok(()) };
+    // Programs write zero or NaN for vertices without faces; their normals are never seen.
+    let mut used = vec![false; positions.len()];
+    for index in triangles.as_flattened() {
+        used[*index as usize] = true;
+    }
+    // How many, and the first one.
+    let mut changed = (0, first);
+    let mut unused = (0, first);
+    let count = |(count, first): &mut (u64, usize), at: usize| {
+        if *count == 0 {
+            *first = at;
+        }
+        *count += 1;
+    };
+    for (at, normal) in normals.iter_mut().enumerate().skip(first) {
+        if is_unit(*normal) {
+            continue;
+        }
+        *normal = match normalized(normal.map(f64::from)) {
+            Some(unit) => {
+                count(&mut changed, at);
+                unit.map(|x| x as f32)
+            }
+            None if !used[at] => {
+                count(&mut unused, at);
+                [0.0, 0.0, 1.0]
+            }
+            None => {
+                let what = if normal.iter().all(|x| x.is_finite()) { "zero" } else { "not finite" };
+                return Err(FileError::new(place(at), format!("the normal of vertex {at} is {what}")).help(
+                    "remove the normals from the file: flat ones are then computed, or `|> smooth()` makes smooth ones",
+                ));
+            }
+        };
+    }
+    if let (many @ 1.., first) = changed {
+        let message = format!("{} brought to unit length", plural(many, "normal"));
+        notes.push(Note::warn(place(first), message));
+    }
+    if let (many @ 1.., first) = unused {
+        let normals = plural(many, "normal");
+        let message = format!("{normals} that cannot be used set to +z, at vertices without faces");
+        notes.push(Note::info(place(first), message));
+    }
+    Ok(())
+}

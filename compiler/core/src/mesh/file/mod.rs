@@ -1,0 +1,120 @@
+//! Mesh files: PLY and OBJ, as bytes in memory.
+//!
+//! A file may be anything: no input makes a reader panic, and no number in a header makes it allocate more than a small
+//! multiple of the bytes that are there.
+
+mod finish;
+mod obj;
+mod ply;
+
+use std::fmt;
+
+use super::Geometry;
+use crate::diag::Severity;
+
+/// Why a mesh file cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileError {
+    /// What is wrong; lower-case, one sentence.
+    pub message: String,
+    /// Where: `line 7`, `byte 120`; empty for the whole file.
+    pub place: String,
+    /// What to do about it.
+    pub help: Option<String>,
+}
+
+impl FileError {
+    fn new(place: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { message: message.into(), place: place.into(), help: None }
+    }
+
+    #[must_use]
+    fn help(mut self, text: impl Into<String>) -> Self {
+        self.help = Some(text.into());
+        self
+    }
+}
+
+impl fmt::Display for FileError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.place.as_str() {
+            "" => f.write_str(&self.message),
+            place => write!(f, "{place}: {}", self.message),
+        }
+    }
+}
+
+impl std::error::Error for FileError {}
+
+/// Something to know about a mesh file that was read: what was changed, and what was left out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Note {
+    /// `Info` for what is no loss of shape (polygons cut into triangles, colours not read), `Warn` for what may be.
+    pub severity: Severity,
+    /// What happened; lower-case, one sentence.
+    pub message: String,
+    /// Where first: `line 7`, `byte 120`; empty for the whole file.
+    pub place: String,
+    /// What to do about it.
+    pub help: Option<String>,
+}
+
+impl Note {
+    fn info(place: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { severity: Severity::Info, message: message.into(), place: place.into(), help: None }
+    }
+
+    fn warn(place: impl Into<String>, message: impl Into<String>) -> Self {
+        Self { severity: Severity::Warn, ..Self::info(place, message) }
+    }
+
+    #[must_use]
+    fn help(mut self, text: impl Into<String>) -> Self {
+        self.help = Some(text.into());
+        self
+    }
+}
+
+/// The endings of the files that [`read`] knows.
+pub const EXTENSIONS: &[&str] = &["ply", "obj"];
+
+/// The mesh in the file with these bytes; `part` selects an object or a group of an OBJ file. The result has at least
+/// one triangle and passes [`Geometry::check`]; it has normals and texture coordinates where the file has them for every
+/// corner.
+///
+/// # Errors
+/// An ending that is not in [`EXTENSIONS`], a part that is not there, and whatever is wrong with the bytes.
+pub fn read(extension: &str, bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<Note>), FileError> {
+    match extension.to_ascii_lowercase().as_str() {
+        "ply" => match part {
+            None => ply::read(bytes),
+            Some(_) => Err(FileError::new("", "a PLY file has no parts").help("leave out `part`")),
+        },
+        "obj" => obj::read(bytes, part),
+        other => Err(FileError::new("", format!("mesh files with the ending `{other}` cannot be read"))
+            .help("convert the mesh to PLY or OBJ")),
+    }
+}
+
+/// The names of the objects and groups of an OBJ file that have faces, in their order; none for other files.
+///
+/// # Errors
+/// As [`read`] of the whole file.
+pub fn parts(extension: &str, bytes: &[u8]) -> Result<Vec<String>, FileError> {
+    if extension.eq_ignore_ascii_case("obj") { obj::parts(bytes) } else { Ok(Vec::new()) }
+}
+
+/// `1 face`, `2 faces`.
+fn plural(count: u64, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
+/// A word of the file for a message: cut, without control characters.
+fn shown(word: &str) -> String {
+    const LETTERS: usize = 40;
+    let cut: String = word.chars().take(LETTERS).flat_map(char::escape_debug).collect();
+    if word.chars().nth(LETTERS).is_some() { format!("{cut}...") } else { cut }
+}
+
+#[cfg(test)]
+mod tests;

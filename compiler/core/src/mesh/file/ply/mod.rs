@@ -1,0 +1,238 @@
+//! PLY files: the header, what of it a mesh needs, and the way to read the rest.
+//!
+//! Three ways: [`fast`] for binary vertices of fixed size with 32-bit floats and faces of 32-bit indices, straight from
+//! the bytes; [`general`] for every other binary file, through ply-rs-bw; [`ascii`] for text, because ply-rs-bw knows
+//! neither `1.`, nor `.5`, nor lines in error messages that count as an editor does.
+
+mod ascii;
+mod fast;
+mod general;
+mod header;
+
+use super::finish::{Faces, finish};
+use super::{FileError, Note, shown};
+use crate::diag::nearest;
+use crate::mesh::Geometry;
+use header::{Element, Encoding, Header, Kind};
+
+/// Columns of a vertex: x y z, nx ny nz, u v.
+const COLUMNS: usize = 8;
+
+/// What of the file a mesh needs.
+struct Layout {
+    /// The position of the elements in the file.
+    vertex: usize,
+    face: usize,
+    /// The property of the vertex in each column; normals and texture coordinates may be missing.
+    columns: [Option<usize>; COLUMNS],
+    /// The property of the face that lists its corners.
+    corners: usize,
+    /// Vertices declared, which fits in 32 bits.
+    vertices: usize,
+}
+
+impl Layout {
+    fn has_normals(&self) -> bool {
+        self.columns[3].is_some()
+    }
+
+    fn has_uvs(&self) -> bool {
+        self.columns[6].is_some()
+    }
+
+    /// The column of each property of the vertex.
+    fn column_of(&self, properties: usize) -> Vec<Option<usize>> {
+        let column = |property| self.columns.iter().position(|column| *column == Some(property));
+        (0..properties).map(column).collect()
+    }
+}
+
+/// Reads a whole PLY file.
+pub(super) fn read(bytes: &[u8]) -> Result<(Geometry, Vec<Note>), FileError> {
+    read_by(bytes, true)
+}
+
+/// [`read`]; without `fast` the general path also where the fast one would do, for comparison.
+fn read_by(bytes: &[u8], fast: bool) -> Result<(Geometry, Vec<Note>), FileError> {
+    let header = Header::parse(bytes)?;
+    let mut notes = Vec::new();
+    let layout = layout(&header, &mut notes)?;
+    let file = File { bytes, header: &header, layout: &layout };
+    let (vertices, faces) = match header.encoding {
+        Encoding::Ascii => ascii::read(&file, &mut notes)?,
+        Encoding::Little | Encoding::Big => general::read(&file, &mut notes, fast)?,
+    };
+    let Vertices { positions, normals, uvs } = vertices;
+    let triangles = faces.finish(&mut notes)?;
+    let mut geometry = Geometry { positions, normals, uvs, triangles };
+    finish(&mut geometry, &mut notes, |vertex| file.place_of_vertex(vertex))?;
+    Ok((geometry, notes))
+}
+
+/// The file with its header understood.
+struct File<'a> {
+    bytes: &'a [u8],
+    header: &'a Header,
+    layout: &'a Layout,
+}
+
+impl File<'_> {
+    fn vertex(&self) -> &Element {
+        &self.header.elements[self.layout.vertex]
+    }
+
+    fn face(&self) -> &Element {
+        &self.header.elements[self.layout.face]
+    }
+
+    /// Where a vertex stands; slow, for messages.
+    fn place_of_vertex(&self, vertex: usize) -> String {
+        match self.header.encoding {
+            Encoding::Ascii => ascii::place_of_vertex(self, vertex),
+            Encoding::Little | Encoding::Big => general::place_of_vertex(self, vertex),
+        }
+    }
+}
+
+/// The columns of the vertices.
+#[derive(Default)]
+struct Vertices {
+    positions: Vec<[f32; 3]>,
+    normals: Option<Vec<[f32; 3]>>,
+    uvs: Option<Vec<[f32; 2]>>,
+}
+
+impl Vertices {
+    /// Room for the declared vertices; the caller has made sure that the file is as long.
+    fn with_room(layout: &Layout) -> Self {
+        Self {
+            positions: Vec::with_capacity(layout.vertices),
+            normals: layout.has_normals().then(|| Vec::with_capacity(layout.vertices)),
+            uvs: layout.has_uvs().then(|| Vec::with_capacity(layout.vertices)),
+        }
+    }
+
+    fn push(&mut self, [x, y, z, nx, ny, nz, u, v]: [f32; COLUMNS]) {
+        self.positions.push([x, y, z]);
+        if let Some(normals) = &mut self.normals {
+            normals.push([nx, ny, nz]);
+        }
+        if let Some(uvs) = &mut self.uvs {
+            uvs.push([u, v]);
+        }
+    }
+}
+
+/// An index of a corner that is not there.
+fn wrong_index(place: String, index: i64, vertices: usize) -> FileError {
+    let error = FileError::new(place, format!("a face uses vertex {index}, but the file has {vertices} vertices"));
+    if vertices == 0 { error } else { error.help(format!("indices go from 0 to {}", vertices - 1)) }
+}
+
+/// An element that does not fit in what is left of the file.
+fn too_short(element: &Element, least: u64, left: usize, header: &Header) -> FileError {
+    let name = shown(&element.name);
+    let message = format!(
+        "element `{name}` declares {} items, which take at least {least} bytes, but {left} are left in the file",
+        element.count
+    );
+    let place = format!("line {}", element.line);
+    debug_assert!(element.line <= header.lines, "the element stands in the header");
+    FileError::new(place, message).help("the file is cut off, or the count is wrong")
+}
+
+fn layout(header: &Header, notes: &mut Vec<Note>) -> Result<Layout, FileError> {
+    let find = |name: &str| header.elements.iter().position(|element| element.name == name);
+    let missing = |name: &str, why: &str| {
+        let known = header.elements.iter().map(|element| element.name.as_str());
+        let error = FileError::new("", format!("the file has no element `{name}`"));
+        match nearest(name, known) {
+            Some(meant) => error.help(format!("is `{}` meant?", shown(meant))),
+            None => error.help(why),
+        }
+    };
+    let vertex = find("vertex").ok_or_else(|| missing("vertex", "a mesh needs vertices"))?;
+    let why = match find("tristrips") {
+        Some(_) => "triangle strips cannot be read: convert them to faces",
+        None => "a mesh needs faces: this file holds points",
+    };
+    let face = find("face").ok_or_else(|| missing("face", why))?;
+    let element = &header.elements[vertex];
+    let property = |name: &str| element.properties.iter().position(|property| property.name == name);
+    let mut columns = [None; COLUMNS];
+    for (column, name) in columns.iter_mut().zip(["x", "y", "z"]) {
+        let place = format!("line {}", element.line);
+        let message = format!("element `vertex` has no property `{name}`");
+        let at = property(name).ok_or_else(|| FileError::new(place.clone(), message))?;
+        if matches!(element.properties[at].kind, Kind::List(..)) {
+            return Err(FileError::new(place, format!("property `{name}` of element `vertex` is a list")));
+        }
+        *column = Some(at);
+    }
+    let scalar = |name: &str| property(name).filter(|at| matches!(element.properties[*at].kind, Kind::One(_)));
+    if let [Some(x), Some(y), Some(z)] = ["nx", "ny", "nz"].map(scalar) {
+        columns[3..6].copy_from_slice(&[Some(x), Some(y), Some(z)]);
+    }
+    // What Blender, MeshLab and pbrt-v4, Mitsuba, and older MeshLab write.
+    for names in [["s", "t"], ["u", "v"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]] {
+        if let [Some(u), Some(v)] = names.map(scalar) {
+            columns[6..8].copy_from_slice(&[Some(u), Some(v)]);
+            break;
+        }
+    }
+    let faces = &header.elements[face];
+    let named = |name: &str| faces.properties.iter().position(|property| property.name == name);
+    let corners = named("vertex_indices").or_else(|| named("vertex_index"));
+    let place = format!("line {}", faces.line);
+    let corners = corners.ok_or_else(|| {
+        FileError::new(place.clone(), "element `face` has no property `vertex_indices` or `vertex_index`")
+    })?;
+    let Kind::List(_, index) = faces.properties[corners].kind else {
+        return Err(FileError::new(place, "the corners of element `face` are no list"));
+    };
+    if !index.is_integer() {
+        return Err(FileError::new(place, "the corners of element `face` are no integers"));
+    }
+    let count = element.count;
+    let vertices = u32::try_from(count).map_err(|_| {
+        let place = format!("line {}", element.line);
+        FileError::new(place, format!("{count} vertices are more than 32-bit indices can address"))
+            .help("the file is damaged, or the mesh must be split")
+    })?;
+    let layout = Layout { vertex, face, columns, corners, vertices: vertices as usize };
+    unread(header, &layout, notes);
+    Ok(layout)
+}
+
+/// A note on every property and element that is not read.
+fn unread(header: &Header, layout: &Layout, notes: &mut Vec<Note>) {
+    for (at, element) in header.elements.iter().enumerate() {
+        let place = format!("line {}", element.line);
+        if at != layout.vertex && at != layout.face {
+            if element.count > 0 {
+                notes.push(Note::info(place, format!("element `{}` is not read", shown(&element.name))));
+            }
+            continue;
+        }
+        let read = |property: usize| {
+            if at == layout.vertex { layout.columns.contains(&Some(property)) } else { property == layout.corners }
+        };
+        let names: Vec<String> = element
+            .properties
+            .iter()
+            .enumerate()
+            .filter(|(property, _)| !read(*property))
+            .map(|(_, property)| format!("`{}`", shown(&property.name)))
+            .collect();
+        if names.is_empty() {
+            continue;
+        }
+        let listed = names[..names.len().min(12)].join(", ");
+        let more = if names.len() > 12 { ", ..." } else { "" };
+        let message = format!("of element `{}` the properties {listed}{more} are not read", shown(&element.name));
+        notes.push(Note::info(place, message));
+    }
+}
+
+#[cfg(test)]
+mod tests;

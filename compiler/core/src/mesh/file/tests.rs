@@ -1,0 +1,221 @@
+//! OBJ against tobj, its parts, its faults, noise; and what both formats share.
+
+use std::fmt::Write as _;
+
+use proptest::prelude::*;
+
+use super::*;
+
+const SQUARES: &str = "# two squares
+mtllib a.mtl
+o left
+v 0 0 0
+v 1 0 0
+v 1 1 0
+v 0 1 0
+vt 0 0
+vt 1 1
+vn 0 0 1
+f 1/1/1 2/2/1 3/1/1 4/2/1
+o right
+g up front
+v 5 0 0
+v 6 0 0
+v 6 1 0
+f -3/1/1 -2/1/1 -1/1/1
+";
+
+fn obj(text: &str) -> (Geometry, Vec<Note>) {
+    read("obj", text.as_bytes(), None).expect("a good file")
+}
+
+fn fault(text: &str, part: Option<&str>) -> FileError {
+    read("OBJ", text.as_bytes(), part).map(|_| ()).expect_err("a bad file")
+}
+
+#[test]
+fn squares_are_read() {
+    let (g, notes) = obj(SQUARES);
+    assert_eq!((g.positions.len(), g.check()), (7, Ok(())));
+    assert_eq!(g.triangles, [[0, 1, 2], [0, 2, 3], [4, 5, 6]]);
+    assert_eq!(g.positions[4..], [[5.0, 0.0, 0.0], [6.0, 0.0, 0.0], [6.0, 1.0, 0.0]]);
+    assert_eq!(g.uvs.as_ref().map(|uvs| uvs[1]), Some([1.0, 1.0]));
+    assert_eq!(g.normals, Some(vec![[0.0, 0.0, 1.0]; 7]));
+    let said: Vec<_> = notes.iter().map(|note| (note.message.as_str(), note.place.as_str())).collect();
+    let polygons = "1 face with more than 3 corners cut into triangles";
+    assert_eq!(said, [("materials are not read: a shape gets its own by `with`", "line 2"), (polygons, "")]);
+    let windows = SQUARES.replace('\n', "\r\n").replace("f -3/1/1 ", "f -3/1/1 \\\r\n ");
+    assert_eq!(obj(&windows).0, g);
+}
+
+#[test]
+fn parts_are_objects_and_groups() {
+    let part = |name| read("obj", SQUARES.as_bytes(), Some(name)).map(|(g, _)| (g.positions.len(), g.triangles.len()));
+    assert_eq!(part("left"), Ok((4, 2)));
+    for name in ["right", "up", "front", "up front"] {
+        assert_eq!(part(name), Ok((3, 1)), "{name}");
+    }
+    assert_eq!(parts("obj", SQUARES.as_bytes()), Ok(["left", "right", "up", "front"].map(str::to_owned).to_vec()));
+    assert_eq!(fault(SQUARES, Some("rigth")).help.as_deref(), Some("is `right` meant?"));
+    let other = fault(SQUARES, Some("something else"));
+    assert_eq!(other.help.as_deref(), Some("its parts are `left`, `right`, `up`, `front`"));
+    assert!(read("ply", b"ply", Some("left")).is_err());
+}
+
+#[test]
+fn vertices_split_where_normals_or_textures_differ_and_only_there() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\nvn 0 -2 0\nf 1//1 2//1 3//1\nf 1//2 4//2 2//2\nf 3//1 2//1 1//1\n";
+    let (g, notes) = obj(text);
+    assert_eq!(g.triangles, [[0, 1, 2], [3, 4, 5], [2, 1, 0]]);
+    assert_eq!(g.normals.as_ref().map(|normals| normals[4]), Some([0.0, -1.0, 0.0]));
+    assert_eq!(notes.len(), 1);
+    assert_eq!((notes[0].message.as_str(), notes[0].place.as_str()), ("3 normals brought to unit length", "line 6"));
+}
+
+#[test]
+fn normals_that_only_some_corners_have_are_dropped_with_a_note() {
+    let (g, notes) = obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 0\ns 1\nf 1//1 2//1 3\nf 1 2 3\n");
+    assert_eq!((g.normals, g.positions.len()), (None, 3));
+    assert!(notes[0].message.contains("only 2 of 6 corners have normals"));
+    assert!(notes[1].message.contains("smoothing groups"));
+}
+
+#[test]
+fn faults_have_their_line() {
+    let text = |line: &str| format!("v 0 0 0\nv 1 0 0\nv 0 1 0\n{line}\nf 1 2 3\n");
+    for (line, message) in [
+        ("v 1 2", "the position has too few numbers"),
+        ("v 1 2 x", "`x` is no number"),
+        ("v 1 2 nan", "the position is not finite"),
+        ("v 1 2 1e39", "the position is not finite"),
+        ("vt", "the texture coordinate has too few numbers"),
+        ("vn 1 2", "the normal has too few numbers"),
+        ("f 1 2 4", "a face uses position (`v`) 4, but there are 3"),
+        ("f 1 2 0", "the corner `0` has the index 0"),
+        ("f 1 2 -4", "uses a position (`v`) that is not there"),
+        ("f 1/1 2/1 3/1", "a face uses texture coordinate (`vt`) 1, but there are 0"),
+        ("f 1//1 2//1 3//1", "a face uses normal (`vn`) 1, but there are 0"),
+        ("f 1/-5 2 3", "uses a texture coordinate (`vt`) that is not there"),
+        ("f 1 2 /3", "`/3` is no corner"),
+        ("f 1 2 3.0", "`3.0` is no corner"),
+        ("f 1/1/1/1 2 3", "has more than three indices"),
+        ("f 1 2 9999999999999999999", "is no corner"),
+        ("f 1 2 4294967296", "is not there"),
+        ("f 1 2 -9223372036854775808", "is not there"),
+    ] {
+        let error = fault(&text(line), None);
+        assert!(error.place == "line 4" && error.message.contains(message), "{line}: {error:?}");
+    }
+    assert_eq!(fault(&text("vn 0 0 0\nf 1//1 2//1 3//1").replace("f 1 2 3\n", ""), None).place, "line 4");
+    assert_eq!(fault("", None).message, "the file is empty");
+    assert_eq!(fault("v 0 0 0\nf 1 1\n", None).message, "the file has no triangles");
+    // A face may stand before its vertices.
+    assert_eq!(obj("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n").0.triangles, [[0, 1, 2]]);
+    let notes = obj(&text("v 1 1 1 0.5 0.5 0.5\nbogus\nbogus\nl 1 2\nv 1 1 1 2")).1;
+    assert!(notes.iter().any(|note| note.message == "2 lines not understood, the first is `bogus`"), "{notes:?}");
+    assert_eq!(notes.len(), 4, "{notes:?}");
+    assert!(read("stl", b"", None).is_err());
+}
+
+#[test]
+fn a_tip_with_a_million_normals_is_not_quadratic() {
+    let mut text = "v 0 0 1\nv 1 0 0\nv 0 1 0\n".to_owned();
+    for i in 0..200_000 {
+        write!(text, "vn 0 {i} 1\nf 1//-1 2//1 3//1\n").expect("text");
+    }
+    let (g, _) = obj(&text);
+    assert_eq!((g.triangles.len(), g.positions.len()), (200_000, 200_002));
+}
+
+fn noisy_line() -> impl Strategy<Value = String> {
+    let number = prop_oneof![
+        any::<i8>().prop_map(|x| x.to_string()),
+        any::<f32>().prop_map(|x| x.to_string()),
+        any::<i64>().prop_map(|x| x.to_string()),
+        "[-+.0-9e/]{0,6}",
+        (1..9_i32).prop_map(|x| x.to_string()),
+    ];
+    let corner = prop::collection::vec((-9..9_i32).prop_map(|x| x.to_string()), 1..4).prop_map(|all| all.join("/"));
+    let keyword =
+        prop::sample::select(vec!["v", "v", "vt", "vn", "f", "f", "f", "o", "g", "s", "l", "usemtl", "#", "\\", ""]);
+    let word = prop_oneof![3 => number, 3 => corner, 1 => "\\PC{0,4}"];
+    (keyword, prop::collection::vec(word, 0..6)).prop_map(|(keyword, words)| format!("{keyword} {}", words.join(" ")))
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(300))]
+
+    #[test]
+    fn noise_does_no_harm(lines in prop::collection::vec(noisy_line(), 0..30), bytes in any::<Vec<u8>>()) {
+        for bytes in [&lines.join("\n").into_bytes(), &bytes] {
+            let result = read("obj", bytes, None);
+            if let Ok((geometry, _)) = &result {
+                prop_assert_eq!(geometry.check(), Ok(()));
+                prop_assert!(!geometry.triangles.is_empty());
+                prop_assert!(geometry.triangles.len() <= bytes.len());
+            }
+            let _ = read("obj", bytes, Some("1"));
+            let _ = parts("obj", bytes);
+        }
+    }
+
+    #[test]
+    fn tobj_reads_the_same_triangles(
+        positions in prop::collection::vec(any::<[i16; 3]>(), 3..20),
+        uvs in prop::collection::vec(any::<[i16; 2]>(), 1..9),
+        faces in prop::collection::vec(prop::collection::vec(any::<[prop::sample::Index; 3]>(), 3..7), 1..20),
+        with_uvs: bool,
+        with_normals: bool,
+        backwards: bool,
+    ) {
+        let normals = [[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [0.6, 0.0, 0.8]];
+        let mut text = String::new();
+        for [x, y, z] in &positions {
+            writeln!(text, "v {} {} {}", f32::from(*x) / 3.0, f32::from(*y) / 3.0, z).expect("text");
+        }
+        for [u, v] in &uvs {
+            writeln!(text, "vt {} {}", f32::from(*u) / 7.0, f32::from(*v) / 7.0).expect("text");
+        }
+        for [x, y, z] in normals {
+            writeln!(text, "vn {x} {y} {z}").expect("text");
+        }
+        let counts = [positions.len(), uvs.len(), normals.len()];
+        for face in &faces {
+            text.push('f');
+            for corner in face {
+                let [v, t, n] = [0, 1, 2].map(|list| {
+                    let at = corner[list].index(counts[list]) as i64;
+                    if backwards { at - counts[list] as i64 } else { at + 1 }
+                });
+                match (with_uvs, with_normals) {
+                    (true, true) => write!(text, " {v}/{t}/{n}"),
+                    (true, false) => write!(text, " {v}/{t}"),
+                    (false, true) => write!(text, " {v}//{n}"),
+                    (false, false) => write!(text, " {v}"),
+                }
+                .expect("text");
+            }
+            text.push('\n');
+        }
+        let (ours, _) = obj(&text);
+        let options = tobj::LoadOptions { single_index: true, triangulate: true, ..tobj::LoadOptions::default() };
+        let no_materials = |_: &std::path::Path| Ok(Default::default());
+        let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, no_materials).expect("a good file");
+        prop_assert_eq!(models.len(), 1);
+        let theirs = &models[0].mesh;
+        prop_assert_eq!(ours.normals.is_some(), with_normals);
+        prop_assert_eq!(ours.uvs.is_some(), with_uvs);
+        prop_assert_eq!(theirs.indices.len(), ours.triangles.len() * 3);
+        for (ours_at, theirs_at) in ours.triangles.as_flattened().iter().zip(&theirs.indices) {
+            let (o, t) = (*ours_at as usize, *theirs_at as usize);
+            prop_assert_eq!(&ours.positions[o][..], &theirs.positions[3 * t..][..3]);
+            if let Some(uvs) = &ours.uvs {
+                prop_assert_eq!(&uvs[o][..], &theirs.texcoords[2 * t..][..2]);
+            }
+            if let Some(normals) = &ours.normals {
+                prop_assert_eq!(&normals[o][..], &theirs.normals[3 * t..][..3]);
+            }
+        }
+        prop_assert_eq!(ours.positions.len() * 3, theirs.positions.len());
+    }
+}

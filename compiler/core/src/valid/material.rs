@@ -1,0 +1,66 @@
+//! Materials: parameters in the ranges that [`Bsdf`] documents.
+
+use crate::diag::{Finding, Origin, Severity};
+use crate::ir::{Bsdf, Color, Material, Scene};
+
+pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
+    for (handle, Material { name, bsdf }) in scene.materials.iter() {
+        let mut checker = Checker { name, origin: scene.materials.origin(handle), findings };
+        match bsdf {
+            Bsdf::Diffuse { reflectance } | Bsdf::Mirror { reflectance } => checker.reflectance(reflectance),
+            Bsdf::Conductor { eta, k, alpha } => {
+                checker.color("eta", eta, "positive", |x| x > 0.0);
+                checker.color("k", k, "0 or more", |x| x >= 0.0);
+                checker.alpha(*alpha);
+            }
+            Bsdf::Dielectric { interior, exterior, alpha } => {
+                checker.number("interior index of refraction", *interior, "positive", |x| x > 0.0);
+                checker.number("exterior index of refraction", *exterior, "positive", |x| x > 0.0);
+                checker.alpha(*alpha);
+            }
+        }
+    }
+}
+
+struct Checker<'a> {
+    name: &'a str,
+    origin: &'a Origin,
+    findings: &'a mut Vec<Finding>,
+}
+
+impl Checker<'_> {
+    fn reflectance(&mut self, color: &Color) {
+        self.color("reflectance", color, "0 or more", |x| x >= 0.0);
+        if color.rgb().iter().any(|x| x.is_finite() && *x > 1.0) {
+            let message = format!("material `{}` reflects more light than it receives", self.name.escape_debug());
+            self.findings.push(
+                Finding::new("reflectance-over-one", Severity::Deny, self.origin.clone(), message)
+                    .label(format!("the largest channel is {}", color.max()))
+                    .note("light grows with every bounce, so the image depends on the depth limit of the renderer")
+                    .help("reflectances lie between 0 and 1; scale the radiance of the emitters instead"),
+            );
+        }
+    }
+
+    fn alpha(&mut self, alpha: f64) {
+        self.number("alpha", alpha, "0 or more", |x| x >= 0.0);
+    }
+
+    fn color(&mut self, what: &str, color: &Color, range: &str, holds: impl Fn(f64) -> bool) {
+        let fault = color.rgb().into_iter().find(|x| !x.is_finite() || !holds(*x));
+        self.fault(what, fault, range);
+    }
+
+    fn number(&mut self, what: &str, value: f64, range: &str, holds: impl Fn(f64) -> bool) {
+        let fault = Some(value).filter(|x| !x.is_finite() || !holds(*x));
+        self.fault(what, fault, range);
+    }
+
+    fn fault(&mut self, what: &str, value: Option<f64>, range: &str) {
+        if let Some(value) = value {
+            let name = self.name.escape_debug();
+            let message = format!("material `{name}`: the {what} is {value}, it must be finite and {range}");
+            self.findings.push(Finding::error("invalid-material", self.origin.clone(), message));
+        }
+    }
+}
