@@ -1,10 +1,16 @@
-//! Targets: one folder per format.
+//! Targets: one folder per format, and the table of all.
+
+pub mod gltf;
+pub mod luxcore;
+pub mod mitsuba;
+pub mod pbrt;
+pub mod shared;
 
 use std::io;
 
 use crate::capability::{Feature, Support};
 use crate::files::Sink;
-use crate::ir::{Camera, Handle};
+use crate::ir::{Camera, Handle, Scene};
 use crate::valid::Valid;
 
 /// A target: a scene format that ltsc writes.
@@ -15,7 +21,8 @@ pub struct Target {
     pub aliases: &'static [&'static str],
     /// One line for help texts.
     pub summary: &'static str,
-    /// The file a renderer opens, with `SCENE` for the scene's name where it is part of the file name.
+    /// The file a renderer opens, with `SCENE` for the scene's name where it is part of the file name; see
+    /// [`Target::main_file_of`].
     pub main_file: &'static str,
     /// Whether meshes lie in files shared with other targets (else the target writes its own).
     pub shares_meshes: bool,
@@ -23,6 +30,13 @@ pub struct Target {
     pub supports: fn(Feature) -> Support,
     /// Writes all files of the scene but the shared meshes.
     pub emit: fn(&Emission<'_>, &mut dyn Sink) -> io::Result<()>,
+}
+
+impl Target {
+    /// The file a renderer opens for the scene called `name`, made safe for file systems.
+    pub fn main_file_of(&self, name: &str) -> String {
+        self.main_file.replace("SCENE", &shared::names::file_stem(name))
+    }
 }
 
 /// What an emitter is given. The scene has been lowered and validated.
@@ -36,16 +50,43 @@ pub struct Emission<'a> {
 }
 
 /// All targets, in the order in which they are shown.
-pub static TARGETS: &[Target] = &[];
+pub static TARGETS: &[Target] = &[
+    mitsuba::MITSUBA_3,
+    mitsuba::MITSUBA_0_6,
+    mitsuba::MITSUBA_0_5,
+    pbrt::PBRT_V4,
+    pbrt::PBRT_V3,
+    luxcore::LUXCORE,
+    gltf::GLTF,
+];
+
+/// What every target answers to several cameras.
+const ONE_CAMERA: Support = Support::approximate(
+    "a folder of a target holds one camera",
+    "exact for that camera; the others are emitted one by one",
+);
 
 /// The target called `name`, by name or alias.
 pub fn find(name: &str) -> Option<&'static Target> {
-    TARGETS
-        .iter()
-        .find(|target| target.name == name || target.aliases.contains(&name))
+    TARGETS.iter().find(|target| target.name == name || target.aliases.contains(&name))
 }
 
-/// Writes the meshes that targets share, as `NAME.ply` below `folder` (with a final `/`, empty for none).
-pub fn write_meshes(_scene: &Valid, _folder: &str, _sink: &mut dyn Sink) -> io::Result<()> {
+/// The file name of each mesh of the arena, in its order: unique on every file system, `NAME.ply`.
+pub fn mesh_files(scene: &Scene) -> Vec<String> {
+    let stems = shared::names::file_stems(scene.meshes.values().map(|mesh| mesh.name.as_str()));
+    stems.into_iter().map(|stem| stem + ".ply").collect()
+}
+
+/// Writes the meshes that targets share, as [`mesh_files`] names them, below `folder` (with a final `/`, empty for
+/// none).
+pub fn write_meshes(scene: &Valid, folder: &str, sink: &mut dyn Sink) -> io::Result<()> {
+    for (mesh, file) in scene.meshes.values().zip(mesh_files(scene)) {
+        let path = format!("{folder}{file}");
+        sink.file(&path, &mut |out| shared::ply::write(mesh, out))?;
+    }
     Ok(())
 }
+
+#[cfg(test)]
+#[cfg(test)]
+mod tests;

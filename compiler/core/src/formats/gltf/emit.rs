@@ -1,0 +1,255 @@
+//! Scene to glTF 2.0: `NAME.gltf` and `NAME.bin`.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::io;
+
+use super::buffer::{Layout, Part, Place};
+use super::document as doc;
+use super::names;
+use crate::files::Sink;
+use crate::formats::Emission;
+use crate::formats::shared::camera;
+use crate::formats::shared::names::file_stem;
+use crate::formats::shared::text::{self, Head};
+use crate::ir::{
+    Affine, Bsdf, Camera, Emission as Light, Film, Filter, Integrator, Material, Mesh, Sampler, Scene, Shape,
+};
+
+/// Writes all files of the target.
+pub fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
+    let scene: &Scene = emission.scene;
+    let stem = file_stem(&scene.name);
+    let (document, layout) = document(scene, &scene.cameras[emission.camera], &stem);
+    text::file(sink, &format!("{stem}.gltf"), |out| {
+        serde_json::to_writer_pretty(&mut *out, &document)?;
+        out.write_all(b"\n")
+    })?;
+    if layout.bytes == 0 {
+        return Ok(());
+    }
+    sink.file(&format!("{stem}.bin"), &mut |out| layout.write(scene, out))
+}
+
+fn document(scene: &Scene, camera: &Camera, stem: &str) -> (doc::Document, Layout) {
+    let mut made = Made::default();
+    let mut nodes = vec![doc::Node {
+        name: scene.name.clone(),
+        matrix: Some(names::matrix(&names::Z_UP_TO_Y_UP)),
+        ..doc::Node::default()
+    }];
+    nodes.push(camera_node(camera));
+    for shape in scene.shapes.values() {
+        nodes.push(made.node(scene, shape));
+    }
+    nodes[0].children = (1..nodes.len()).collect();
+
+    let Made { layout, meshes, materials, places: _, known_materials: _, known_meshes: _ } = made;
+    let extensions: BTreeSet<_> = materials.iter().flat_map(|material| material.extensions.names()).collect();
+    let buffers = if layout.bytes == 0 {
+        Vec::new()
+    } else {
+        vec![doc::Buffer { uri: format!("{stem}.bin"), byte_length: layout.bytes }]
+    };
+    let head = Head { scene: &scene.name, target: "gltf" }.to_string();
+    let mut layout = layout;
+    let document = doc::Document {
+        asset: doc::Asset {
+            version: "2.0",
+            generator: "ltsc",
+            copyright: scene.documentation.license.clone(),
+            extras: doc::Comment { comment: head },
+        },
+        extensions_used: extensions.into_iter().collect(),
+        scene: 0,
+        scenes: vec![doc::Scene { name: scene.name.clone(), nodes: vec![0], extras: settings(scene) }],
+        nodes,
+        cameras: vec![camera_item(scene, camera)],
+        meshes,
+        materials,
+        accessors: std::mem::take(&mut layout.accessors),
+        buffer_views: std::mem::take(&mut layout.views),
+        buffers,
+    };
+    (document, layout)
+}
+
+/// A material, what it emits (radiance by its bits, for the order), and for dielectrics how thick the mesh is.
+type Surface = (usize, Option<[u64; 3]>);
+
+#[derive(Default)]
+struct Made {
+    layout: Layout,
+    places: BTreeMap<usize, Place>,
+    materials: Vec<doc::Material>,
+    known_materials: BTreeMap<Surface, usize>,
+    meshes: Vec<doc::Mesh>,
+    known_meshes: BTreeMap<(usize, usize), usize>,
+}
+
+impl Made {
+    fn node(&mut self, scene: &Scene, shape: &Shape) -> doc::Node {
+        let Shape { name, mesh: handle, transform, material, emission } = shape;
+        let mut node = doc::Node { name: name.clone(), ..doc::Node::default() };
+        let mesh = &scene.meshes[*handle];
+        // An accessor holds at least one item.
+        if mesh.positions.is_empty() || mesh.triangles.is_empty() {
+            return node;
+        }
+        let material = self.material(scene, shape, (material.index(), bits(emission.as_ref())));
+        // A node's matrix must be translation, rotation and scale (glTF 2.0, 3.5.2); other maps move the vertices.
+        if camera::has_orthogonal_columns(transform) {
+            let known = self.known_meshes.get(&(handle.index(), material)).copied();
+            node.mesh = Some(known.unwrap_or_else(|| {
+                let place = match self.places.get(&handle.index()) {
+                    Some(place) => *place,
+                    None => {
+                        let place = self.layout.add(scene, Part { mesh: *handle, map: None });
+                        self.places.insert(handle.index(), place);
+                        place
+                    }
+                };
+                let made = self.mesh(mesh, place, material);
+                self.known_meshes.insert((handle.index(), material), made);
+                made
+            }));
+            let Affine { rows } = transform;
+            let offset = rows.map(|row| row[3] + 0.0);
+            if *transform == Affine::translation(offset) {
+                node.translation = (offset != [0.0; 3]).then_some(offset);
+            } else {
+                node.matrix = Some(names::matrix(transform));
+            }
+        } else {
+            let part = Part { mesh: *handle, map: Some(*transform) };
+            let place = self.layout.add(scene, part);
+            node.mesh = Some(self.mesh(mesh, place, material));
+        }
+        node
+    }
+
+    fn mesh(&mut self, mesh: &Mesh, place: Place, material: usize) -> usize {
+        let Place { attributes, indices } = place;
+        let primitives = [doc::Primitive { attributes, indices, material }];
+        self.meshes.push(doc::Mesh { name: mesh.name.clone(), primitives });
+        self.meshes.len() - 1
+    }
+
+    fn material(&mut self, scene: &Scene, shape: &Shape, surface: Surface) -> usize {
+        if let Some(known) = self.known_materials.get(&surface) {
+            return *known;
+        }
+        let Shape { name: _, mesh, transform: _, material, emission } = shape;
+        let thickness = thickness(&scene.meshes[*mesh]);
+        let made = made_material(&scene.materials[*material], emission.as_ref(), thickness);
+        self.materials.push(made);
+        let index = self.materials.len() - 1;
+        self.known_materials.insert(surface, index);
+        index
+    }
+}
+
+fn bits(emission: Option<&Light>) -> Option<[u64; 3]> {
+    emission.map(|Light { radiance }| radiance.rgb().map(f64::to_bits))
+}
+
+fn made_material(material: &Material, emission: Option<&Light>, thickness: f64) -> doc::Material {
+    let Material { name, bsdf } = material;
+    let mut extensions = doc::Extensions::default();
+    let opaque = |[r, g, b]: [f64; 3], metallic_factor, roughness_factor| doc::Metallic {
+        base_color_factor: [r, g, b, 1.0],
+        metallic_factor,
+        roughness_factor,
+    };
+    let (pbr_metallic_roughness, two_sided) = match bsdf {
+        Bsdf::Diffuse { reflectance } => {
+            // Without the specular layer that every glTF dielectric has, what remains is Lambert's reflection.
+            extensions.specular = Some(doc::Specular { specular_factor: 0.0 });
+            (opaque(reflectance.rgb(), 0.0, 1.0), true)
+        }
+        Bsdf::Conductor { eta, k, alpha } => (opaque(names::base_color(eta, k), 1.0, names::roughness(*alpha)), true),
+        Bsdf::Dielectric { interior, exterior, alpha } => {
+            extensions.ior = Some(doc::Ior { ior: names::ior(*interior, *exterior) });
+            extensions.transmission = Some(doc::Transmission { transmission_factor: 1.0 });
+            // A thickness above 0 says that the surface bounds a volume, hence refracts; rasterisers use its size.
+            extensions.volume = Some(doc::Volume { thickness_factor: thickness });
+            (opaque([1.0; 3], 0.0, names::roughness(*alpha)), false)
+        }
+        Bsdf::Mirror { reflectance } => (opaque(reflectance.rgb(), 1.0, 0.0), true),
+    };
+    let mut emissive_factor = None;
+    if let Some(Light { radiance }) = emission {
+        let (factor, strength) = names::emission(radiance);
+        emissive_factor = Some(factor);
+        if strength != 1.0 && strength > 0.0 {
+            let emissive_strength = doc::EmissiveStrength { emissive_strength: strength };
+            extensions.emissive_strength = Some(emissive_strength);
+        }
+    }
+    doc::Material {
+        name: name.clone(),
+        pbr_metallic_roughness,
+        emissive_factor,
+        // A double-sided emitter would emit on both sides.
+        double_sided: two_sided && emission.is_none(),
+        extensions,
+    }
+}
+
+/// The smallest extent of a mesh that is not flat along it; 1 for a point.
+fn thickness(mesh: &Mesh) -> f64 {
+    let [low, high] = camera::bounds(&mesh.positions);
+    let extents = [0, 1, 2].map(|axis| high[axis] - low[axis]);
+    let smallest = extents.into_iter().filter(|extent| *extent > 0.0).fold(f64::INFINITY, f64::min);
+    if smallest.is_finite() { smallest } else { 1.0 }
+}
+
+/// A camera looks along its node's -z with y up.
+fn camera_node(camera: &Camera) -> doc::Node {
+    let name = camera.name.clone().unwrap_or_else(|| "camera".to_owned());
+    let matrix = camera::axes(camera).map(|camera::Axes { right, up, forward }| {
+        let [x, y, z] = camera.eye;
+        names::matrix(&Affine {
+            rows: [
+                [right[0], up[0], -forward[0], x],
+                [right[1], up[1], -forward[1], y],
+                [right[2], up[2], -forward[2], z],
+            ],
+        })
+    });
+    doc::Node { name, camera: Some(0), matrix, ..doc::Node::default() }
+}
+
+fn camera_item(scene: &Scene, camera: &Camera) -> doc::Camera {
+    let Camera { name, eye: _, target: _, up: _, fov_x, near, far } = camera;
+    let Film { width, height, filter: _ } = &scene.film;
+    // glTF requires a near distance: a thousandth of the way to the farthest surface keeps a depth buffer precise.
+    let reach = camera::reach(scene, camera);
+    let open = if reach > 0.0 { reach * 1e-3 } else { 1e-2 };
+    let znear = near.unwrap_or_else(|| far.map_or(open, |far| open.min(far * 1e-3)));
+    doc::Camera {
+        name: name.clone(),
+        r#type: "perspective",
+        perspective: doc::Perspective {
+            aspect_ratio: f64::from(*width) / f64::from(*height),
+            yfov: camera::fov_y(*fov_x, &scene.film).to_radians(),
+            znear,
+            zfar: *far,
+        },
+    }
+}
+
+fn settings(scene: &Scene) -> doc::Settings {
+    let Film { width, height, filter } = &scene.film;
+    let filter = match filter {
+        Filter::Box { radius } => doc::Filter::Box { radius: *radius },
+        Filter::Gaussian { stddev, radius } => doc::Filter::Gaussian { stddev: *stddev, radius: *radius },
+    };
+    let integrator = match &scene.integrator {
+        Integrator::Path { max_depth } => doc::Integrator::Path { max_depth: *max_depth },
+    };
+    let sampler = match &scene.sampler {
+        Sampler::Independent { samples, seed } => doc::Sampler::Independent { samples: *samples, seed: *seed },
+    };
+    let film = doc::Film { width: *width, height: *height, filter };
+    doc::Settings { film, integrator, sampler }
+}

@@ -1,0 +1,83 @@
+//! The conventions of glTF 2.0 for numbers, from its specification and those of its extensions.
+
+use crate::ir::{Affine, Color};
+
+/// `componentType` of 32-bit floats.
+pub const FLOAT: u32 = 5126;
+/// `componentType` of unsigned 32-bit integers.
+pub const UNSIGNED_INT: u32 = 5125;
+/// `target` of a buffer view with vertices.
+pub const ARRAY_BUFFER: u32 = 34962;
+/// `target` of a buffer view with indices.
+pub const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+
+/// The root's matrix: the Scene's z is up, glTF's y is: (x, y, z) becomes (x, z, -y).
+pub const Z_UP_TO_Y_UP: Affine = Affine { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0]] };
+
+/// The roughness whose square is the GGX width (glTF 2.0, appendix B.2.3: alpha = roughness^2).
+pub fn roughness(alpha: f64) -> f64 {
+    alpha.sqrt().min(1.0)
+}
+
+/// The reflectance of a conductor seen head-on, `((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2)` per channel (Born and
+/// Wolf, Principles of Optics, 14.2): the base colour of a metal, whose Fresnel term is Schlick's.
+pub fn base_color(eta: &Color, k: &Color) -> [f64; 3] {
+    let (eta, k) = (eta.rgb(), k.rgb());
+    [0, 1, 2].map(|channel| {
+        let (n, k2) = (eta[channel], k[channel] * k[channel]);
+        ((n - 1.0) * (n - 1.0) + k2) / ((n + 1.0) * (n + 1.0) + k2)
+    })
+}
+
+/// `ior` of KHR_materials_ior: the relative index of refraction, which may not be below 1.
+pub fn ior(interior: f64, exterior: f64) -> f64 {
+    (interior / exterior).max(1.0)
+}
+
+/// `emissiveFactor` (0..1 per channel) and `emissiveStrength` (KHR_materials_emissive_strength), whose product is the
+/// radiance. glTF's unit is candela per square metre; written is the number of W/(m2 sr), so that nothing depends on
+/// an assumed luminous efficacy.
+pub fn emission(radiance: &Color) -> ([f64; 3], f64) {
+    let strength = radiance.max();
+    if strength > 0.0 { (radiance.rgb().map(|x| x / strength), strength) } else { ([0.0; 3], 0.0) }
+}
+
+/// A matrix by columns.
+pub fn matrix(map: &Affine) -> [f64; 16] {
+    let Affine { rows } = map;
+    let mut entries = [0.0; 16];
+    for column in 0..4 {
+        for (row, values) in rows.iter().enumerate() {
+            // Without negative zeros, which print as such.
+            entries[column * 4 + row] = values[column] + 0.0;
+        }
+    }
+    entries[15] = 1.0;
+    entries
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_root_stands_scenes_upright() {
+        assert_eq!(Z_UP_TO_Y_UP.point([1.0, 2.0, 3.0]), [1.0, 3.0, -2.0]);
+        assert_eq!(Z_UP_TO_Y_UP.determinant(), 1.0);
+        // Read as glTF reads it: column-major, M p.
+        let m = matrix(&Z_UP_TO_Y_UP);
+        let at = |row: usize| m[row] + 2.0 * m[4 + row] + 3.0 * m[8 + row] + m[12 + row];
+        assert_eq!([at(0), at(1), at(2), at(3)], [1.0, 3.0, -2.0, 1.0]);
+    }
+
+    #[test]
+    fn materials_by_hand() {
+        assert_eq!(roughness(0.25), 0.5);
+        // Glass head-on: (1.5 - 1)^2 / (1.5 + 1)^2.
+        let [r, _, _] = base_color(&Color::Grey(1.5), &Color::BLACK);
+        assert!((r - 0.04).abs() < 1e-12);
+        assert_eq!(ior(1.0, 1.5), 1.0);
+        assert_eq!(emission(&Color::Rgb([30.0, 15.0, 0.0])), ([1.0, 0.5, 0.0], 30.0));
+        assert_eq!(emission(&Color::BLACK), ([0.0; 3], 0.0));
+    }
+}

@@ -1,0 +1,229 @@
+//! Scene to LuxCore's scene description language: `scene.cfg` (settings) and `scene.scn` (camera, materials, objects).
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+use super::names;
+use crate::files::Sink;
+use crate::formats::shared::camera;
+use crate::formats::shared::names::{Words, file_stem};
+use crate::formats::shared::number::{Num, Row, count};
+use crate::formats::shared::text::{self, Head, Line, Quoted};
+use crate::formats::{self, Emission};
+use crate::ir::{
+    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Integrator, Material, Sampler, Scene, Shape,
+};
+
+/// Writes all files of the target.
+pub fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
+    let scene: &Scene = emission.scene;
+    let head = Head { scene: &scene.name, target: "luxcore" }.to_string();
+    let head = Line(&head).to_string();
+    text::file(sink, "scene.cfg", |out| {
+        writeln!(out, "# {head}")?;
+        settings(scene, out)
+    })?;
+    text::file(sink, "scene.scn", |out| {
+        writeln!(out, "# {head}")?;
+        view(scene, &scene.cameras[emission.camera], out)?;
+        description(scene, emission.meshes, out)
+    })
+}
+
+fn settings(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
+    set(out, "scene.file", "\"scene.scn\"")?;
+    for (key, value) in names::FIXED {
+        set(out, key, value)?;
+    }
+    match &scene.integrator {
+        Integrator::Path { max_depth } => {
+            let depth = names::depth(count(*max_depth)).to_string();
+            // The limits per kind of scattering have defaults of their own (4 to 6).
+            for key in ["total", "diffuse", "glossy", "specular"] {
+                set(out, &format!("path.pathdepth.{key}"), &depth)?;
+            }
+            set(out, "path.russianroulette.depth", &depth)?;
+        }
+    }
+    match &scene.sampler {
+        Sampler::Independent { samples, seed } => {
+            set(out, "renderengine.seed", &names::seed(*seed).to_string())?;
+            set(out, "batch.haltspp", &count(*samples).to_string())?;
+        }
+    }
+    let Film { width, height, filter } = &scene.film;
+    set(out, "film.width", &count(*width).to_string())?;
+    set(out, "film.height", &count(*height).to_string())?;
+    match filter {
+        Filter::Box { radius } => {
+            if *radius == 0.5 {
+                set(out, "film.filter.type", "\"NONE\"")?;
+            } else {
+                set(out, "film.filter.type", "\"BOX\"")?;
+                set(out, "film.filter.width", &Num(*radius).to_string())?;
+            }
+        }
+        Filter::Gaussian { stddev, radius } => {
+            set(out, "film.filter.type", "\"GAUSSIAN\"")?;
+            set(out, "film.filter.width", &Num(*radius).to_string())?;
+            let alpha = Num(names::gaussian_alpha(*stddev)).to_string();
+            set(out, "film.filter.gaussian.alpha", &alpha)?;
+        }
+    }
+    set(out, "film.outputs.0.type", "\"RGB\"")?;
+    set(out, "film.outputs.0.filename", &format!("\"{}.exr\"", file_stem(&scene.name)))
+}
+
+fn view(scene: &Scene, camera: &Camera, out: &mut dyn Write) -> io::Result<()> {
+    let Camera { name: _, eye, target, up, fov_x, near: _, far: _ } = camera;
+    let key = |name: &str| format!("scene.camera.{name}");
+    set(out, &key("type"), "\"perspective\"")?;
+    set(out, &key("lookat.orig"), &row(eye))?;
+    set(out, &key("lookat.target"), &row(target))?;
+    set(out, &key("up"), &row(up))?;
+    set(out, &key("fieldofview"), &Num(*fov_x).to_string())?;
+    set(out, &key("screenwindow"), &row(&names::screen_window(&scene.film)))?;
+    let (near, far) = camera::clipping(scene, camera, names::DEFAULT_CLIPPING);
+    if let Some(near) = near {
+        set(out, &key("cliphither"), &Num(near).to_string())?;
+    }
+    if let Some(far) = far {
+        set(out, &key("clipyon"), &Num(far).to_string())?;
+    }
+    Ok(())
+}
+
+/// A material and what it emits: LuxCore makes emission part of the material. Radiance by its bits, for the order.
+type Surface = (usize, Option<[u64; 3]>);
+
+fn description(scene: &Scene, meshes: &str, out: &mut dyn Write) -> io::Result<()> {
+    let mut words = Words::default();
+    let materials = words.assign(scene.materials.values().map(|material| material.name.as_str()));
+    for (item, id) in scene.materials.values().zip(&materials) {
+        let Material { name, bsdf } = item;
+        comment(name, id, out)?;
+        material(bsdf, id, out)?;
+    }
+    // Emitting variants of a material are named after the first shape that has them.
+    let mut variants: BTreeMap<Surface, String> = BTreeMap::new();
+    for shape in scene.shapes.values() {
+        let Shape { name, mesh: _, transform: _, material: base, emission } = shape;
+        let surface = surface(base.index(), emission.as_ref());
+        let Some(Light { radiance }) = emission else { continue };
+        if variants.contains_key(&surface) {
+            continue;
+        }
+        let id = words.assign(std::iter::once(name.as_str())).concat();
+        material(&scene.materials[*base].bsdf, &id, out)?;
+        emission_of(radiance, &id, out)?;
+        variants.insert(surface, id);
+    }
+    writeln!(out)?;
+    let mut words = Words::default();
+    let files = formats::mesh_files(scene);
+    let stems = files.iter().map(|file| file.strip_suffix(".ply").unwrap_or(file));
+    let shapes = words.assign(stems);
+    let mut used = vec![false; scene.meshes.len()];
+    scene.shapes.values().for_each(|shape| used[shape.mesh.index()] = true);
+    for ((id, file), used) in shapes.iter().zip(&files).zip(used) {
+        if used {
+            set(out, &format!("scene.shapes.{id}.type"), "\"mesh\"")?;
+            let path = Quoted(&format!("{meshes}{file}")).to_string();
+            set(out, &format!("scene.shapes.{id}.ply"), &path)?;
+        }
+    }
+    writeln!(out)?;
+    let objects = Words::default().assign(scene.shapes.values().map(|shape| shape.name.as_str()));
+    for (item, id) in scene.shapes.values().zip(&objects) {
+        let Shape { name, mesh, transform, material, emission } = item;
+        comment(name, id, out)?;
+        let base = &materials[material.index()];
+        let used = variants.get(&surface(material.index(), emission.as_ref())).unwrap_or(base);
+        set(out, &format!("scene.objects.{id}.shape"), &format!("\"{}\"", shapes[mesh.index()]))?;
+        set(out, &format!("scene.objects.{id}.material"), &format!("\"{used}\""))?;
+        placed(transform, id, out)?;
+    }
+    Ok(())
+}
+
+fn surface(material: usize, emission: Option<&Light>) -> Surface {
+    (material, emission.map(|Light { radiance }| radiance.rgb().map(f64::to_bits)))
+}
+
+fn material(bsdf: &Bsdf, id: &str, out: &mut dyn Write) -> io::Result<()> {
+    let mut put = |name: &str, value: &str| set(out, &format!("scene.materials.{id}.{name}"), value);
+    match bsdf {
+        Bsdf::Diffuse { reflectance } => {
+            put("type", "\"matte\"")?;
+            put("kd", &rgb(reflectance))
+        }
+        Bsdf::Conductor { eta, k, alpha } => {
+            put("type", "\"metal2\"")?;
+            put("fresnel", &format!("\"{id}_fresnel\""))?;
+            // The square of this is the width's square in the GGX distribution (measured with 2.11.2).
+            put("uroughness", &Num(*alpha).to_string())?;
+            put("vroughness", &Num(*alpha).to_string())?;
+            let mut put = |name: &str, value: &str| set(out, &format!("scene.textures.{id}_fresnel.{name}"), value);
+            put("type", "\"fresnelconst\"")?;
+            put("n", &rgb(eta))?;
+            put("k", &rgb(k))
+        }
+        Bsdf::Dielectric { interior, exterior, alpha } => {
+            put("type", if *alpha == 0.0 { "\"glass\"" } else { "\"roughglass\"" })?;
+            put("kr", "1 1 1")?;
+            put("kt", "1 1 1")?;
+            put("interiorior", &Num(*interior).to_string())?;
+            put("exteriorior", &Num(*exterior).to_string())?;
+            if *alpha != 0.0 {
+                put("uroughness", &Num(*alpha).to_string())?;
+                put("vroughness", &Num(*alpha).to_string())?;
+            }
+            Ok(())
+        }
+        Bsdf::Mirror { reflectance } => {
+            put("type", "\"mirror\"")?;
+            put("kr", &rgb(reflectance))
+        }
+    }
+}
+
+fn emission_of(radiance: &Color, id: &str, out: &mut dyn Write) -> io::Result<()> {
+    let mut put = |name: &str, value: &str| set(out, &format!("scene.materials.{id}.emission{name}"), value);
+    put("", &rgb(radiance))?;
+    put(".gain", "1 1 1")?;
+    // With a power or an efficiency the radiance would be rescaled.
+    put(".power", "0")?;
+    put(".efficiency", "0")?;
+    put(".theta", "90")?;
+    // The default leaves meshes of more than 256 triangles to chance hits.
+    put(".directlightsampling.type", "\"ENABLED\"")
+}
+
+/// The transform of a shape, by columns as LuxCore writes matrices.
+fn placed(transform: &Affine, id: &str, out: &mut dyn Write) -> io::Result<()> {
+    if *transform == Affine::IDENTITY {
+        return Ok(());
+    }
+    let Affine { rows } = transform;
+    let columns: [[f64; 4]; 4] = [0, 1, 2, 3].map(|column| {
+        let [x, y, z] = rows.map(|row| row[column]);
+        [x, y, z, if column == 3 { 1.0 } else { 0.0 }]
+    });
+    set(out, &format!("scene.objects.{id}.transformation"), &row(columns.as_flattened()))
+}
+
+fn comment(name: &str, id: &str, out: &mut dyn Write) -> io::Result<()> {
+    if name == id { Ok(()) } else { writeln!(out, "# {}", Line(name)) }
+}
+
+fn set(out: &mut dyn Write, key: &str, value: &str) -> io::Result<()> {
+    writeln!(out, "{key} = {value}")
+}
+
+fn rgb(color: &Color) -> String {
+    row(&color.rgb())
+}
+
+fn row(values: &[f64]) -> String {
+    Row(values, " ").to_string()
+}

@@ -1,0 +1,258 @@
+//! Scene to Mitsuba XML: `scene.xml`, which includes `settings.xml` and `description.xml`.
+
+use std::io::{self, Write};
+
+use super::names::{DEFAULT_CLIPPING, Names, RR_DEPTH, Version};
+use crate::files::Sink;
+use crate::formats::shared::camera;
+use crate::formats::shared::names::Words;
+use crate::formats::shared::number::{Num, Row, count};
+use crate::formats::shared::text::{self, Head, Xml, XmlComment};
+use crate::formats::{self, Emission};
+use crate::ir::{
+    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Integrator, Material, Mesh, Sampler, Scene, Shape,
+};
+
+/// Writes all files of the target.
+pub fn emit(version: Version, emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
+    let scene: &Scene = emission.scene;
+    let head = Head { scene: &scene.name, target: version.target() }.to_string();
+    text::file(sink, "scene.xml", |out| {
+        open(version, &head, out)?;
+        writeln!(out, "\t<include filename=\"settings.xml\"/>")?;
+        writeln!(out, "\t<include filename=\"description.xml\"/>")?;
+        close(out)
+    })?;
+    text::file(sink, "settings.xml", |out| {
+        open(version, &head, out)?;
+        settings(version, scene, &scene.cameras[emission.camera], out)?;
+        close(out)
+    })?;
+    text::file(sink, "description.xml", |out| {
+        open(version, &head, out)?;
+        description(version, scene, emission.meshes, out)?;
+        close(out)
+    })
+}
+
+fn open(version: Version, head: &str, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "<?xml version=\"1.0\" encoding=\"utf-8\"?>")?;
+    writeln!(out, "{}", XmlComment(head))?;
+    writeln!(out, "<scene version=\"{}\">", version.number())
+}
+
+fn close(out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "</scene>")
+}
+
+fn settings(version: Version, scene: &Scene, camera: &Camera, out: &mut dyn Write) -> io::Result<()> {
+    let names = version.names();
+    let Sampler::Independent { samples, seed } = &scene.sampler;
+    // `mitsuba -Dsamples=64` replaces a default (Mitsuba 0.5 manual, section 5.2; `scenehandler.cpp` keeps the value
+    // of the command line where there is one).
+    writeln!(out, "\t<default name=\"samples\" value=\"{}\"/>", count(*samples))?;
+    if names.seed.is_some() {
+        writeln!(out, "\t<default name=\"seed\" value=\"{seed}\"/>")?;
+    }
+    match &scene.integrator {
+        Integrator::Path { max_depth } => {
+            writeln!(out, "\n\t<integrator type=\"path\">")?;
+            integer(out, 2, names.max_depth, &count(*max_depth).to_string())?;
+            integer(out, 2, names.rr_depth, &RR_DEPTH.to_string())?;
+            writeln!(out, "\t</integrator>")?;
+        }
+    }
+    let Camera { name: _, eye, target, up, fov_x, near: _, far: _ } = camera;
+    writeln!(out, "\n\t<sensor type=\"perspective\">")?;
+    float(out, 2, "fov", *fov_x)?;
+    string(out, 2, names.fov_axis, "x")?;
+    let (near, far) = camera::clipping(scene, camera, DEFAULT_CLIPPING);
+    if let Some(near) = near {
+        float(out, 2, names.near_clip, near)?;
+    }
+    if let Some(far) = far {
+        float(out, 2, names.far_clip, far)?;
+    }
+    writeln!(out, "\t\t<transform name=\"{}\">", names.to_world)?;
+    writeln!(
+        out,
+        "\t\t\t<lookat origin=\"{}\" target=\"{}\" up=\"{}\"/>",
+        Row(eye, ", "),
+        Row(target, ", "),
+        Row(up, ", ")
+    )?;
+    writeln!(out, "\t\t</transform>")?;
+    writeln!(out, "\t\t<sampler type=\"independent\">")?;
+    integer(out, 3, names.sample_count, "$samples")?;
+    if let Some(seed) = names.seed {
+        integer(out, 3, seed, "$seed")?;
+    }
+    writeln!(out, "\t\t</sampler>")?;
+    film(names, &scene.film, out)?;
+    writeln!(out, "\t</sensor>")
+}
+
+fn film(names: &Names, film: &Film, out: &mut dyn Write) -> io::Result<()> {
+    let Film { width, height, filter } = film;
+    writeln!(out, "\t\t<film type=\"hdrfilm\">")?;
+    integer(out, 3, "width", &count(*width).to_string())?;
+    integer(out, 3, "height", &count(*height).to_string())?;
+    string(out, 3, names.pixel_format, "rgb")?;
+    // The default of all versions, float16, rounds to 0.05 %.
+    string(out, 3, names.component_format, "float32")?;
+    if let Some(banner) = names.banner {
+        writeln!(out, "\t\t\t<boolean name=\"{banner}\" value=\"false\"/>")?;
+    }
+    match filter {
+        Filter::Box { radius } => match names.box_radius.filter(|_| *radius != 0.5) {
+            Some(name) => {
+                writeln!(out, "\t\t\t<rfilter type=\"box\">")?;
+                float(out, 4, name, *radius)?;
+                writeln!(out, "\t\t\t</rfilter>")?;
+            }
+            None => writeln!(out, "\t\t\t<rfilter type=\"box\"/>")?,
+        },
+        Filter::Gaussian { stddev, radius: _ } => {
+            writeln!(out, "\t\t\t<rfilter type=\"gaussian\">")?;
+            float(out, 4, "stddev", *stddev)?;
+            writeln!(out, "\t\t\t</rfilter>")?;
+        }
+    }
+    writeln!(out, "\t\t</film>")
+}
+
+fn description(version: Version, scene: &Scene, meshes: &str, out: &mut dyn Write) -> io::Result<()> {
+    let names = version.names();
+    // Materials and shapes share one space of ids.
+    let mut words = Words::default();
+    let materials = words.assign(scene.materials.values().map(|material| material.name.as_str()));
+    let shapes = words.assign(scene.shapes.values().map(|shape| shape.name.as_str()));
+    let files = formats::mesh_files(scene);
+    for (item, id) in scene.materials.values().zip(&materials) {
+        let Material { name, bsdf } = item;
+        comment(name, id, out)?;
+        material(names, bsdf, id, out)?;
+    }
+    writeln!(out)?;
+    for (item, id) in scene.shapes.values().zip(&shapes) {
+        let Shape { name, mesh, transform, material, emission } = item;
+        comment(name, id, out)?;
+        writeln!(out, "\t<shape type=\"ply\" id=\"{id}\">")?;
+        let file = format!("{meshes}{}", files[mesh.index()]);
+        string(out, 2, "filename", &file)?;
+        let Mesh { name: _, positions: _, normals, uvs: _, triangles: _ } = &scene.meshes[*mesh];
+        if normals.is_none() {
+            // Without this Mitsuba makes smooth normals for a file that has none.
+            writeln!(out, "\t\t<boolean name=\"{}\" value=\"true\"/>", names.face_normals)?;
+        }
+        placed(names, transform, out)?;
+        writeln!(out, "\t\t<ref id=\"{}\"/>", materials[material.index()])?;
+        if let Some(Light { radiance }) = emission {
+            writeln!(out, "\t\t<emitter type=\"area\">")?;
+            rgb(out, 3, "radiance", radiance)?;
+            writeln!(out, "\t\t</emitter>")?;
+        }
+        writeln!(out, "\t</shape>")?;
+    }
+    Ok(())
+}
+
+fn material(names: &Names, bsdf: &Bsdf, id: &str, out: &mut dyn Write) -> io::Result<()> {
+    match bsdf {
+        Bsdf::Diffuse { reflectance } => {
+            open_twosided(id, "diffuse", out)?;
+            rgb(out, 3, "reflectance", reflectance)?;
+            close_twosided(out)
+        }
+        Bsdf::Conductor { eta, k, alpha } => {
+            if *alpha == 0.0 {
+                open_twosided(id, "conductor", out)?;
+            } else {
+                open_twosided(id, "roughconductor", out)?;
+                // The default distribution of all versions is Beckmann's.
+                string(out, 3, "distribution", "ggx")?;
+                float(out, 3, "alpha", *alpha)?;
+            }
+            rgb(out, 3, "eta", eta)?;
+            rgb(out, 3, "k", k)?;
+            if let Some(ext_eta) = names.ext_eta {
+                float(out, 3, ext_eta, 1.0)?;
+            }
+            close_twosided(out)
+        }
+        Bsdf::Dielectric { interior, exterior, alpha } => {
+            if *alpha == 0.0 {
+                writeln!(out, "\t<bsdf type=\"dielectric\" id=\"{id}\">")?;
+            } else {
+                writeln!(out, "\t<bsdf type=\"roughdielectric\" id=\"{id}\">")?;
+                string(out, 2, "distribution", "ggx")?;
+                float(out, 2, "alpha", *alpha)?;
+            }
+            float(out, 2, names.int_ior, *interior)?;
+            float(out, 2, names.ext_ior, *exterior)?;
+            writeln!(out, "\t</bsdf>")
+        }
+        Bsdf::Mirror { reflectance } => {
+            open_twosided(id, "conductor", out)?;
+            // "none" is the conductor that reflects all light at every angle.
+            string(out, 3, "material", "none")?;
+            rgb(out, 3, names.specular_reflectance, reflectance)?;
+            close_twosided(out)
+        }
+    }
+}
+
+/// Reflecting surfaces are black from behind unless they are wrapped.
+fn open_twosided(id: &str, kind: &str, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "\t<bsdf type=\"twosided\" id=\"{id}\">")?;
+    writeln!(out, "\t\t<bsdf type=\"{kind}\">")
+}
+
+fn close_twosided(out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "\t\t</bsdf>\n\t</bsdf>")
+}
+
+/// The transform of a shape, by rows as Mitsuba writes matrices.
+fn placed(names: &Names, transform: &Affine, out: &mut dyn Write) -> io::Result<()> {
+    if *transform == Affine::IDENTITY {
+        return Ok(());
+    }
+    let Affine { rows } = transform;
+    let [x, y, z] = rows.map(|row| row[3]);
+    writeln!(out, "\t\t<transform name=\"{}\">", names.to_world)?;
+    if *transform == Affine::translation([x, y, z]) {
+        writeln!(out, "\t\t\t<translate x=\"{}\" y=\"{}\" z=\"{}\"/>", Num(x), Num(y), Num(z))?;
+    } else {
+        let all = Row(rows.as_flattened(), " ");
+        writeln!(out, "\t\t\t<matrix value=\"{all} 0 0 0 1\"/>")?;
+    }
+    writeln!(out, "\t\t</transform>")
+}
+
+fn comment(name: &str, id: &str, out: &mut dyn Write) -> io::Result<()> {
+    if name == id { Ok(()) } else { writeln!(out, "\t{}", XmlComment(name)) }
+}
+
+fn indent(out: &mut dyn Write, depth: usize) -> io::Result<()> {
+    (0..depth).try_for_each(|_| out.write_all(b"\t"))
+}
+
+fn integer(out: &mut dyn Write, depth: usize, name: &str, value: &str) -> io::Result<()> {
+    indent(out, depth)?;
+    writeln!(out, "<integer name=\"{name}\" value=\"{value}\"/>")
+}
+
+fn float(out: &mut dyn Write, depth: usize, name: &str, value: f64) -> io::Result<()> {
+    indent(out, depth)?;
+    writeln!(out, "<float name=\"{name}\" value=\"{}\"/>", Num(value))
+}
+
+fn string(out: &mut dyn Write, depth: usize, name: &str, value: &str) -> io::Result<()> {
+    indent(out, depth)?;
+    writeln!(out, "<string name=\"{name}\" value=\"{}\"/>", Xml(value))
+}
+
+fn rgb(out: &mut dyn Write, depth: usize, name: &str, value: &Color) -> io::Result<()> {
+    indent(out, depth)?;
+    writeln!(out, "<rgb name=\"{name}\" value=\"{}\"/>", Row(&value.rgb(), ", "))
+}

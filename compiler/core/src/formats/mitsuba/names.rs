@@ -1,0 +1,132 @@
+//! The vocabulary of Mitsuba's scene files and its conventions for numbers, per version.
+//!
+//! Where a spelling has no other source it was read in the source of Mitsuba 0.6 (`src/librender`, `src/bsdfs`,
+//! `src/films`), the schema `data/schema/scene.xsd` that it comes with, and the plugin reference of Mitsuba 3.
+
+/// A version of the file format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// Mitsuba 0.5.
+    V05,
+    /// Mitsuba 0.6: the same text but for the version, as 0.6 refuses a file that says 0.5.0 (`scenehandler.cpp`
+    /// compares the first two numbers; seen with a build of 0.6).
+    V06,
+    /// Mitsuba 3: parameters in snake case, and every parameter that a plugin does not ask for is an error (3.9.1).
+    V3,
+}
+
+impl Version {
+    /// The `version` of the root element.
+    pub fn number(self) -> &'static str {
+        match self {
+            Self::V05 => "0.5.0",
+            Self::V06 => "0.6.0",
+            Self::V3 => "3.0.0",
+        }
+    }
+
+    /// The target's name.
+    pub fn target(self) -> &'static str {
+        match self {
+            Self::V05 => "mitsuba-0.5",
+            Self::V06 => "mitsuba-0.6",
+            Self::V3 => "mitsuba-3",
+        }
+    }
+
+    /// The names of parameters.
+    pub fn names(self) -> &'static Names {
+        match self {
+            Self::V05 | Self::V06 => &CAMEL,
+            Self::V3 => &SNAKE,
+        }
+    }
+}
+
+/// Names of parameters.
+#[derive(Debug)]
+pub struct Names {
+    /// Integrator: largest number of path segments; the Scene's `max_depth` has this very meaning.
+    pub max_depth: &'static str,
+    /// Integrator: first segment that Russian roulette may end.
+    pub rr_depth: &'static str,
+    /// Sampler: samples per pixel.
+    pub sample_count: &'static str,
+    /// Sampler: seed; none where the plugin `independent` has none (0.x).
+    pub seed: Option<&'static str>,
+    /// Sensor and shape: the transform.
+    pub to_world: &'static str,
+    /// Sensor: the axis of `fov`.
+    pub fov_axis: &'static str,
+    /// Sensor: nearest distance along the axis.
+    pub near_clip: &'static str,
+    /// Sensor: farthest distance along the axis.
+    pub far_clip: &'static str,
+    /// Film: channels.
+    pub pixel_format: &'static str,
+    /// Film: numbers.
+    pub component_format: &'static str,
+    /// Film: whether a logo is drawn into the image; none where there is none to switch off (3).
+    pub banner: Option<&'static str>,
+    /// Filter: half the side; none where the box is the pixel (3.9.1 refuses `radius`).
+    pub box_radius: Option<&'static str>,
+    /// Dielectric: index of refraction inside.
+    pub int_ior: &'static str,
+    /// Dielectric: index of refraction outside.
+    pub ext_ior: &'static str,
+    /// Conductor: index of refraction of the surroundings; 0.x takes that of air, 1.000277, unless told otherwise, 3
+    /// has no such parameter.
+    pub ext_eta: Option<&'static str>,
+    /// Conductor: factor of the reflectance.
+    pub specular_reflectance: &'static str,
+    /// Mesh: flat faces.
+    pub face_normals: &'static str,
+}
+
+static CAMEL: Names = Names {
+    max_depth: "maxDepth",
+    rr_depth: "rrDepth",
+    sample_count: "sampleCount",
+    seed: None,
+    to_world: "toWorld",
+    fov_axis: "fovAxis",
+    near_clip: "nearClip",
+    far_clip: "farClip",
+    pixel_format: "pixelFormat",
+    component_format: "componentFormat",
+    banner: Some("banner"),
+    box_radius: Some("radius"),
+    int_ior: "intIOR",
+    ext_ior: "extIOR",
+    ext_eta: Some("extEta"),
+    specular_reflectance: "specularReflectance",
+    face_normals: "faceNormals",
+};
+
+static SNAKE: Names = Names {
+    max_depth: "max_depth",
+    rr_depth: "rr_depth",
+    sample_count: "sample_count",
+    seed: Some("seed"),
+    to_world: "to_world",
+    fov_axis: "fov_axis",
+    near_clip: "near_clip",
+    far_clip: "far_clip",
+    pixel_format: "pixel_format",
+    component_format: "component_format",
+    banner: None,
+    box_radius: None,
+    int_ior: "int_ior",
+    ext_ior: "ext_ior",
+    ext_eta: None,
+    specular_reflectance: "specular_reflectance",
+    face_normals: "face_normals",
+};
+
+/// Segments that are followed before Russian roulette may end a path: the default of all versions, written out so
+/// that a file says what is done.
+pub const RR_DEPTH: u32 = 5;
+
+/// Clipping distances that are in force where a file gives none: `nearClip` and `farClip` of `sensor.cpp` in 0.6,
+/// `near_clip` and `far_clip` of 3.9.1.
+pub const DEFAULT_CLIPPING: (f64, f64) = (1e-2, 1e4);

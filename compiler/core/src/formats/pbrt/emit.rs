@@ -1,0 +1,179 @@
+//! Scene to PBRT text: `scene.pbrt`, which includes `settings.pbrt` and `description.pbrt`.
+//!
+//! Arrays hold spaces and never commas: rs_pbrt 0.9.12 drops an array with commas together with every later parameter
+//! of its directive, in silence, and pbrt-v4 refuses it. Every file ends with a line end, without which rs_pbrt panics.
+
+use std::io::{self, Write};
+
+use super::names::{self, Version};
+use crate::files::Sink;
+use crate::formats::shared::names::{Words, file_stem};
+use crate::formats::shared::number::{Num, Row, count};
+use crate::formats::shared::text::{self, Head, Line, Quoted};
+use crate::formats::{self, Emission};
+use crate::ir::{
+    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Integrator, Material, Sampler, Scene, Shape,
+};
+
+/// Writes all files of the target.
+pub fn emit(version: Version, emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
+    let scene: &Scene = emission.scene;
+    let head = Head { scene: &scene.name, target: version.target() }.to_string();
+    let head = Line(&head).to_string();
+    text::file(sink, "scene.pbrt", |out| {
+        writeln!(out, "# {head}")?;
+        writeln!(out, "Include \"settings.pbrt\"\nInclude \"description.pbrt\"")
+    })?;
+    text::file(sink, "settings.pbrt", |out| {
+        writeln!(out, "# {head}")?;
+        settings(version, scene, &scene.cameras[emission.camera], out)
+    })?;
+    text::file(sink, "description.pbrt", |out| {
+        writeln!(out, "# {head}")?;
+        description(version, scene, emission.meshes, out)
+    })
+}
+
+fn settings(version: Version, scene: &Scene, camera: &Camera, out: &mut dyn Write) -> io::Result<()> {
+    let names = version.names();
+    // PBRT has no clipping distances.
+    let Camera { name: _, eye, target, up, fov_x, near: _, far: _ } = camera;
+    writeln!(out, "# PBRT's camera is left-handed: x is mirrored first.")?;
+    writeln!(out, "Scale -1 1 1")?;
+    let [eye, target, up] = [eye, target, up].map(|vector| Row(vector, " ").to_string());
+    writeln!(out, "LookAt {eye}  {target}  {up}")?;
+    let fov = names::fov(*fov_x, &scene.film);
+    writeln!(out, "Camera \"perspective\" \"float fov\" [{}]", Num(fov))?;
+
+    let Film { width, height, filter } = &scene.film;
+    let (film, ending, more) = names.film;
+    writeln!(
+        out,
+        "Film \"{film}\" \"integer xresolution\" [{}] \"integer yresolution\" [{}]{more} \"string filename\" \
+         [\"{}.{ending}\"]",
+        count(*width),
+        count(*height),
+        file_stem(&scene.name)
+    )?;
+    let (x, y) = names.filter_radius;
+    match filter {
+        Filter::Box { radius } => {
+            let radius = Num(*radius);
+            writeln!(out, "PixelFilter \"box\" \"float {x}\" [{radius}] \"float {y}\" [{radius}]")?;
+        }
+        Filter::Gaussian { stddev, radius } => {
+            let radius = Num(*radius);
+            let (name, width) = match version {
+                Version::V3 => ("alpha", names::gaussian_alpha(*stddev)),
+                Version::V4 => ("sigma", *stddev),
+            };
+            writeln!(
+                out,
+                "PixelFilter \"gaussian\" \"float {x}\" [{radius}] \"float {y}\" [{radius}] \"float {name}\" [{}]",
+                Num(width)
+            )?;
+        }
+    }
+    match &scene.sampler {
+        Sampler::Independent { samples, seed } => {
+            if *seed != 0 {
+                // v3 has no seed; v4 reads `--seed` only where the file gives none.
+                writeln!(out, "# The seed is {seed}: pbrt-v4 takes it as `--seed {seed}`.")?;
+            }
+            let samples = count(*samples);
+            writeln!(out, "Sampler \"{}\" \"integer pixelsamples\" [{samples}]", names.sampler)?;
+        }
+    }
+    match &scene.integrator {
+        Integrator::Path { max_depth } => {
+            let depth = names::max_depth(count(*max_depth));
+            writeln!(out, "Integrator \"path\" \"integer maxdepth\" [{depth}]{}", names.integrator)
+        }
+    }
+}
+
+fn description(version: Version, scene: &Scene, meshes: &str, out: &mut dyn Write) -> io::Result<()> {
+    let materials = Words::default().assign(scene.materials.values().map(|material| material.name.as_str()));
+    let files = formats::mesh_files(scene);
+    writeln!(out, "WorldBegin\n")?;
+    for (item, id) in scene.materials.values().zip(&materials) {
+        let Material { name, bsdf } = item;
+        if name != id {
+            writeln!(out, "# {}", Line(name))?;
+        }
+        material(version, bsdf, id, out)?;
+    }
+    for item in scene.shapes.values() {
+        let Shape { name, mesh, transform, material, emission } = item;
+        let file = format!("{meshes}{}", files[mesh.index()]);
+        writeln!(out, "\n# {}\nAttributeBegin", Line(name))?;
+        placed(transform, out)?;
+        writeln!(out, "\tNamedMaterial \"{}\"", materials[material.index()])?;
+        if let Some(Light { radiance }) = emission {
+            writeln!(out, "\tAreaLightSource \"diffuse\" \"rgb L\" [{}]", rgb(radiance))?;
+        }
+        writeln!(out, "\tShape \"plymesh\" \"string filename\" [{}]", Quoted(&file))?;
+        writeln!(out, "AttributeEnd")?;
+    }
+    if version.names().world_end {
+        writeln!(out, "\nWorldEnd")?;
+    }
+    Ok(())
+}
+
+fn material(version: Version, bsdf: &Bsdf, id: &str, out: &mut dyn Write) -> io::Result<()> {
+    let names = version.names();
+    write!(out, "MakeNamedMaterial \"{id}\" \"string type\" ")?;
+    match bsdf {
+        Bsdf::Diffuse { reflectance } => {
+            let (kind, name, more) = names.diffuse;
+            writeln!(out, "[\"{kind}\"] \"rgb {name}\" [{}]{more}", rgb(reflectance))
+        }
+        Bsdf::Conductor { eta, k, alpha } => writeln!(
+            out,
+            "[\"{}\"] \"rgb eta\" [{}] \"rgb k\" [{}] \"float roughness\" [{}] {}",
+            names.conductor,
+            rgb(eta),
+            rgb(k),
+            Num(*alpha),
+            names.plain_roughness
+        ),
+        Bsdf::Dielectric { interior, exterior, alpha } => {
+            let (kind, more) = names.dielectric;
+            // Only the ratio matters: the surroundings of a PBRT dielectric have index 1.
+            let eta = Num(interior / exterior);
+            write!(out, "[\"{kind}\"]{more} \"float eta\" [{eta}]")?;
+            if *alpha != 0.0 {
+                let (alpha, plain) = (Num(*alpha), names.plain_roughness);
+                write!(out, " \"float uroughness\" [{alpha}] \"float vroughness\" [{alpha}] {plain}")?;
+            }
+            writeln!(out)
+        }
+        Bsdf::Mirror { reflectance } => {
+            let (kind, name, more) = names.mirror;
+            writeln!(out, "[\"{kind}\"] \"rgb {name}\" [{}]{more}", rgb(reflectance))
+        }
+    }
+}
+
+/// The transform of a shape, by columns as PBRT writes matrices.
+fn placed(transform: &Affine, out: &mut dyn Write) -> io::Result<()> {
+    if *transform == Affine::IDENTITY {
+        return Ok(());
+    }
+    let Affine { rows } = transform;
+    let [x, y, z] = rows.map(|row| row[3]);
+    if *transform == Affine::translation([x, y, z]) {
+        return writeln!(out, "\tTranslate {}", Row(&[x, y, z], " "));
+    }
+    write!(out, "\tConcatTransform [")?;
+    for column in 0..4 {
+        let entries = rows.map(|row| row[column]);
+        write!(out, "{} {}", Row(&entries, " "), if column == 3 { "1]" } else { "0  " })?;
+    }
+    writeln!(out)
+}
+
+fn rgb(color: &Color) -> String {
+    Row(&color.rgb(), " ").to_string()
+}

@@ -1,0 +1,163 @@
+//! PBRT v3 and v4: two targets, one emitter.
+
+mod emit;
+pub mod names;
+
+use super::Target;
+use crate::capability::{Feature, Support};
+use names::Version;
+
+/// PBRT v4.
+pub const PBRT_V4: Target = Target {
+    name: "pbrt-v4",
+    aliases: &["pbrt"],
+    summary: "PBRT v4",
+    main_file: "scene.pbrt",
+    shares_meshes: true,
+    supports: supports_v4,
+    emit: |emission, sink| emit::emit(Version::V4, emission, sink),
+};
+
+/// PBRT v3.
+pub const PBRT_V3: Target = Target {
+    name: "pbrt-v3",
+    aliases: &[],
+    summary: "PBRT v3 (and rs_pbrt)",
+    main_file: "scene.pbrt",
+    shares_meshes: true,
+    supports: supports_v3,
+    emit: |emission, sink| emit::emit(Version::V3, emission, sink),
+};
+
+const NO_CLIPPING: Support =
+    Support::approximate("PBRT has no clipping distances", "exact where every surface lies between them");
+
+const CORRELATED: Support = Support::approximate(
+    "PBRT's masking and shadowing are height-correlated, Mitsuba's are not",
+    "up to 1 % per tile at `alpha` 0.5, up to 3 % brighter at 1 (rs_pbrt 0.9.12 against Mitsuba 3.9.1)",
+);
+
+fn supports_v4(feature: Feature) -> Support {
+    use Support::Exact;
+    match feature {
+        Feature::Diffuse
+        | Feature::SmoothDiffuse
+        | Feature::SmoothConductor
+        | Feature::RoughConductor
+        | Feature::SmoothDielectric
+        | Feature::ThinnerInside
+        | Feature::BlackEmitter
+        | Feature::ScatteringEmitter
+        | Feature::VertexNormals
+        | Feature::NoNormals
+        | Feature::TextureCoordinates
+        | Feature::TransformedShape
+        | Feature::SharedMesh
+        | Feature::Camera
+        | Feature::Resolution
+        | Feature::PixelFilter
+        | Feature::BoxFilter
+        | Feature::GaussianFilter
+        | Feature::CutGaussianFilter
+        | Feature::Path
+        | Feature::EmissionOnly
+        | Feature::IndirectLight
+        | Feature::IndependentSampler => Exact,
+        Feature::ColouredDiffuse => Support::approximate(
+            "pbrt-v4 is always spectral: an RGB reflectance becomes a smooth spectrum",
+            "one bounce to 0.1 %; a Cornell box with saturated walls 1.008, 0.995, 1.000 in its mean R, G, B, dark \
+             channels beside the walls by up to a factor of 3 (pbrt-v4 of 2026-06); grey is exact",
+        ),
+        Feature::ColouredConductor => Support::approximate(
+            "pbrt-v4 is always spectral: RGB `eta` and `k` become smooth spectra",
+            "reflectance at normal incidence 0.982 0.624 0.513 instead of 0.952 0.620 0.511 for a copper-like metal \
+             (pbrt-v4 of 2026-06); grey is exact",
+        ),
+        Feature::ColouredEmitter => Support::approximate(
+            "pbrt-v4 is always spectral: an RGB radiance becomes a smooth spectrum",
+            "0.1 % on grey surfaces (pbrt-v4 of 2026-06); on coloured ones as their reflectance",
+        ),
+        Feature::SharpConductor => Support::approximate(
+            "pbrt-v4 takes `alpha` below 0.001 as smooth",
+            "exact from 0.001 on; below it highlights lose their width of about 0.1 degrees (`materials.h`)",
+        ),
+        Feature::WideConductor => CORRELATED,
+        Feature::RoughDielectric => Support::approximate(
+            "PBRT's masking and shadowing are height-correlated, Mitsuba's are not",
+            "not measured for dielectrics; for conductors up to 1 % per tile at `alpha` 0.5, up to 3 % at 1",
+        ),
+        Feature::Mirror => Support::approximate(
+            "pbrt-v4 has no mirror; a smooth conductor of that reflectance stands for it, at most 0.9999",
+            "0.01 % per reflection for a perfect mirror",
+        ),
+        Feature::DimMirror => Support::approximate(
+            "pbrt-v4 has no mirror; a smooth conductor of that reflectance at normal incidence stands for it",
+            "at 45, 60, 75 and 85 degrees 0.896, 0.884, 0.854, 0.874 for a reflectance of 0.9, and 0.507, 0.529, 0.624, \
+             0.820 for 0.5 (computed from the Fresnel equations)",
+        ),
+        Feature::ClippingPlanes => NO_CLIPPING,
+        Feature::SeveralCameras => super::ONE_CAMERA,
+        Feature::Seed => Support::approximate(
+            "a seed in the file would override the command line's, so that it stands in a comment only",
+            "other noise, the same expected image; `--seed` gives it",
+        ),
+    }
+}
+
+fn supports_v3(feature: Feature) -> Support {
+    use Support::Exact;
+    match feature {
+        Feature::Diffuse
+        | Feature::ColouredDiffuse
+        | Feature::RoughConductor
+        | Feature::ColouredConductor
+        | Feature::SmoothDielectric
+        | Feature::ThinnerInside
+        | Feature::Mirror
+        | Feature::DimMirror
+        | Feature::BlackEmitter
+        | Feature::ScatteringEmitter
+        | Feature::ColouredEmitter
+        | Feature::VertexNormals
+        | Feature::NoNormals
+        | Feature::TextureCoordinates
+        | Feature::TransformedShape
+        | Feature::SharedMesh
+        | Feature::Camera
+        | Feature::Resolution
+        | Feature::PixelFilter
+        | Feature::BoxFilter
+        | Feature::GaussianFilter
+        | Feature::CutGaussianFilter
+        | Feature::Path
+        | Feature::EmissionOnly
+        | Feature::IndirectLight
+        | Feature::IndependentSampler => Exact,
+        Feature::SmoothDiffuse => Support::approximate(
+            "PBRT v3 lights faces that look away from the emitter as long as their interpolated normal sees it",
+            "a coarse sphere of 12 by 6 faces 2.3 % too bright, 27 % in the band between light and shadow (pbrt-v3 \
+             against pbrt-v4, Mitsuba 3.9.1 and LuxCore 2.11.2); less with finer meshes",
+        ),
+        Feature::SmoothConductor => Support::approximate(
+            "PBRT v3's metal has an `alpha` of at least 0.001",
+            "reflections blurred by about 0.1 degrees (`microfacet.h`)",
+        ),
+        Feature::SharpConductor => Support::approximate(
+            "PBRT v3 raises `alpha` to at least 0.001",
+            "exact from 0.001 on; below it highlights blurred by about 0.1 degrees (`microfacet.h`)",
+        ),
+        Feature::WideConductor => CORRELATED,
+        Feature::RoughDielectric => Support::approximate(
+            "PBRT v3 samples the reflecting and the refracting lobe of rough glass separately, and its masking and \
+             shadowing are height-correlated",
+            "a Cornell box with a block of rough glass 0.94 in its mean at `alpha` 0.1, 0.96 at 0.3 (rs_pbrt 0.9.12 \
+             against Mitsuba 3.9.1); PBRT v3 itself was not measured",
+        ),
+        Feature::ClippingPlanes => NO_CLIPPING,
+        Feature::SeveralCameras => super::ONE_CAMERA,
+        Feature::Seed => Support::approximate(
+            "PBRT v3 has no seed: its random sampler gives the same image every time",
+            "other noise, the same expected image",
+        ),
+    }
+}

@@ -1,0 +1,126 @@
+//! The vocabulary of PBRT's scene files and its conventions for numbers, per version.
+//!
+//! Where a spelling has no other source it was read in the sources of pbrt-v3 (`src/core/api.cpp` and the `Create`
+//! functions) and pbrt-v4 (`src/pbrt/parser.cpp` and the `Create` functions), and in the file format documentation of
+//! pbrt-v4.
+
+use crate::formats::shared::camera;
+use crate::ir::Film;
+
+/// A version of the file format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Version {
+    /// PBRT v3, and its translation rs_pbrt 0.9.
+    V3,
+    /// PBRT v4.
+    V4,
+}
+
+impl Version {
+    /// The target's name.
+    pub fn target(self) -> &'static str {
+        match self {
+            Self::V3 => "pbrt-v3",
+            Self::V4 => "pbrt-v4",
+        }
+    }
+
+    /// The vocabulary.
+    pub fn names(self) -> &'static Names {
+        match self {
+            Self::V3 => &V3,
+            Self::V4 => &V4,
+        }
+    }
+}
+
+/// Names of directives' types and parameters.
+#[derive(Debug)]
+pub struct Names {
+    /// `Film`: the type, the ending of the image's name, and further parameters. Both images hold float32: v3 writes
+    /// half-float EXR, so a PFM is asked for; v4 writes half-float EXR unless told otherwise.
+    pub film: (&'static str, &'static str, &'static str),
+    /// `PixelFilter`: half the side along x and y.
+    pub filter_radius: (&'static str, &'static str),
+    /// `Sampler`: independent random numbers.
+    pub sampler: &'static str,
+    /// `Integrator "path"`: parameters beside the depth. v3's default light choice, "spatial", does not end with a
+    /// hundred thousand emitting triangles (measured with rs_pbrt 0.9.12 and pbrt-v3); v4's default is written out.
+    pub integrator: &'static str,
+    /// Whether a file ends with `WorldEnd`: v3 needs it, v4 refuses it.
+    pub world_end: bool,
+    /// Diffuse material: type, parameter, further parameters.
+    pub diffuse: (&'static str, &'static str, &'static str),
+    /// Conductor.
+    pub conductor: &'static str,
+    /// Dielectric: type and further parameters.
+    pub dielectric: (&'static str, &'static str),
+    /// Mirror: type, parameter, further parameters. v4 has none; a conductor of given reflectance comes near.
+    pub mirror: (&'static str, &'static str, &'static str),
+    /// Switches off the reading of `roughness` as a number that is mapped to alpha first.
+    pub plain_roughness: &'static str,
+}
+
+static V3: Names = Names {
+    film: ("image", "pfm", ""),
+    filter_radius: ("xwidth", "ywidth"),
+    sampler: "random",
+    integrator: " \"float rrthreshold\" [1] \"string lightsamplestrategy\" [\"power\"]",
+    world_end: true,
+    diffuse: ("matte", "Kd", " \"float sigma\" [0]"),
+    conductor: "metal",
+    dielectric: ("glass", " \"rgb Kr\" [1 1 1] \"rgb Kt\" [1 1 1]"),
+    mirror: ("mirror", "Kr", ""),
+    plain_roughness: "\"bool remaproughness\" [\"false\"]",
+};
+
+static V4: Names = Names {
+    film: ("rgb", "exr", " \"bool savefp16\" [false]"),
+    filter_radius: ("xradius", "yradius"),
+    sampler: "independent",
+    integrator: " \"string lightsampler\" [\"bvh\"] \"bool regularize\" [false]",
+    world_end: false,
+    diffuse: ("diffuse", "reflectance", ""),
+    conductor: "conductor",
+    dielectric: ("dielectric", ""),
+    mirror: ("conductor", "reflectance", " \"float roughness\" [0]"),
+    plain_roughness: "\"bool remaproughness\" [false]",
+};
+
+/// The angle that both versions call `fov`: the full angle along the image's shorter axis (pbrt-v3 and pbrt-v4,
+/// `PerspectiveCamera`: the shorter axis of the default screen window spans -1..1).
+pub fn fov(fov_x: f64, film: &Film) -> f64 {
+    let Film { width, height, filter: _ } = film;
+    if width > height { camera::fov_y(fov_x, film) } else { fov_x }
+}
+
+/// `maxdepth` counts bounces: one less than the Scene's segments.
+pub fn max_depth(segments: u32) -> u32 {
+    segments.saturating_sub(1)
+}
+
+/// v3's Gaussian is `exp(-alpha x^2) - exp(-alpha r^2)`, alpha = 1 / (2 stddev^2); v4 takes the standard deviation.
+pub fn gaussian_alpha(stddev: f64) -> f64 {
+    1.0 / (2.0 * stddev * stddev)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ir::Filter;
+
+    #[test]
+    fn the_angle_is_along_the_shorter_axis() {
+        let film = |width, height| Film { width, height, filter: Filter::Box { radius: 0.5 } };
+        // 2:1: 2 atan(tan(45) / 2); at 1:1 and 1:2 the width is the shorter axis, or as long.
+        assert!((fov(90.0, &film(200, 100)) - 53.130_102_354).abs() < 1e-8);
+        assert_eq!(fov(90.0, &film(100, 100)), 90.0);
+        assert_eq!(fov(90.0, &film(100, 200)), 90.0);
+    }
+
+    #[test]
+    fn depth_and_gaussian() {
+        assert_eq!((max_depth(10), max_depth(1), max_depth(0)), (9, 0, 0));
+        assert_eq!(gaussian_alpha(0.5), 2.0);
+    }
+}

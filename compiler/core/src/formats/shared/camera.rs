@@ -1,0 +1,164 @@
+//! What the targets need to know of a camera beyond what the Scene says: the other angle of view, axes, clipping.
+
+use crate::ir::{Affine, Camera, Film, Scene, Shape, Vec3, cross, dot, length, normalized, sub};
+
+/// The vertical full angle of view in degrees, `2 atan(tan(fov_x / 2) height / width)`; exactly `fov_x` for a square.
+pub fn fov_y(fov_x: f64, film: &Film) -> f64 {
+    let Film { width, height, filter: _ } = film;
+    if width == height {
+        return fov_x;
+    }
+    let half = libm::tan(fov_x.to_radians() / 2.0) * f64::from(*height) / f64::from(*width);
+    (2.0 * libm::atan(half)).to_degrees()
+}
+
+/// The unit axes of a camera: right, up and forward, so that right x up = -forward.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axes {
+    /// To the right of the image.
+    pub right: Vec3,
+    /// To the top of the image.
+    pub up: Vec3,
+    /// Along the optical axis.
+    pub forward: Vec3,
+}
+
+/// The axes of `camera`; none where its directions are degenerate, which validation refuses.
+pub fn axes(camera: &Camera) -> Option<Axes> {
+    let forward = normalized(sub(camera.target, camera.eye))?;
+    let right = normalized(cross(forward, normalized(camera.up)?))?;
+    Some(Axes { right, up: cross(right, forward), forward })
+}
+
+/// The distance from `camera`'s eye to the farthest corner of the scene's bounding box; 0 for an empty scene.
+pub fn reach(scene: &Scene, camera: &Camera) -> f64 {
+    let mut boxes: Vec<Option<[Vec3; 2]>> = vec![None; scene.meshes.len()];
+    let mut farthest = 0.0_f64;
+    for shape in scene.shapes.values() {
+        let Shape { name: _, mesh, transform, material: _, emission: _ } = shape;
+        let slot = &mut boxes[mesh.index()];
+        let [low, high] = *slot.get_or_insert_with(|| bounds(scene.meshes[*mesh].positions.as_slice()));
+        farthest = farthest.max(farthest_corner(transform, low, high, camera.eye));
+    }
+    farthest
+}
+
+/// The smallest box with its sides along the axes that holds all `positions`; an empty box around the origin for none.
+pub fn bounds(positions: &[[f32; 3]]) -> [Vec3; 2] {
+    let Some(first) = positions.first() else {
+        return [[0.0; 3]; 2];
+    };
+    let (mut low, mut high) = (*first, *first);
+    for position in positions {
+        for axis in 0..3 {
+            low[axis] = low[axis].min(position[axis]);
+            high[axis] = high[axis].max(position[axis]);
+        }
+    }
+    [low.map(f64::from), high.map(f64::from)]
+}
+
+/// Clipping distances for a renderer that clips at `default` unless told otherwise. What the camera gives is kept; a
+/// distance that it leaves open is none (nothing to write) as long as the default cuts nothing off, else one that
+/// does not: a thousandth of the reach in front, twice the reach behind.
+pub fn clipping(scene: &Scene, camera: &Camera, default: (f64, f64)) -> (Option<f64>, Option<f64>) {
+    let reach = match (camera.near, camera.far) {
+        (Some(_), Some(_)) => return (camera.near, camera.far),
+        (Some(_), None) | (None, Some(_)) | (None, None) => reach(scene, camera),
+    };
+    let near = camera.near.or_else(|| {
+        let wanted = reach.min(camera.far.unwrap_or(reach)) * 1e-3;
+        (wanted > 0.0 && wanted < default.0).then_some(wanted)
+    });
+    let far = camera.far.or_else(|| (reach > default.1).then_some(2.0 * reach));
+    (near, far)
+}
+
+fn farthest_corner(transform: &Affine, low: Vec3, high: Vec3, eye: Vec3) -> f64 {
+    let mut farthest = 0.0_f64;
+    for corner in 0..8_u8 {
+        let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
+        let point = transform.point([pick(0), pick(1), pick(2)]);
+        farthest = farthest.max(length(sub(point, eye)));
+    }
+    farthest
+}
+
+/// Whether a map is a rotation after scales along the axes: the columns of its linear part are orthogonal, to 1e-6 of
+/// their lengths.
+pub fn has_orthogonal_columns(map: &Affine) -> bool {
+    let Affine { rows } = map;
+    let [x, y, z] = [0, 1, 2].map(|at| rows.map(|row| row[at]));
+    let right = |a: Vec3, b: Vec3| dot(a, b).abs() <= 1e-6 * length(a) * length(b);
+    right(x, y) && right(y, z) && right(x, z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::ir::Filter;
+
+    fn film(width: u32, height: u32) -> Film {
+        Film { width, height, filter: Filter::Box { radius: 0.5 } }
+    }
+
+    fn camera() -> Camera {
+        Camera {
+            name: None,
+            eye: [0.0, -160.0, 50.0],
+            target: [0.0, 0.0, 50.0],
+            up: [0.0, 0.0, 1.0],
+            fov_x: 90.0,
+            near: None,
+            far: None,
+        }
+    }
+
+    #[test]
+    fn the_vertical_angle_follows_the_tangent() {
+        // tan 45 degrees is 1: half of it and twice of it, by hand.
+        assert!((fov_y(90.0, &film(200, 100)) - 53.130_102_354).abs() < 1e-8);
+        assert_eq!(fov_y(90.0, &film(100, 100)), 90.0);
+        assert!((fov_y(90.0, &film(100, 200)) - 126.869_897_645).abs() < 1e-8);
+    }
+
+    #[test]
+    fn the_axes_are_right_handed() {
+        let axes = axes(&camera()).expect("a regular camera");
+        assert_eq!(axes.right, [1.0, 0.0, 0.0]);
+        assert_eq!((axes.up, axes.forward), ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]));
+        assert!(super::axes(&Camera { up: [0.0, 3.0, 0.0], ..camera() }).is_none());
+    }
+
+    #[test]
+    fn clipping_is_written_only_where_the_default_would_cut() {
+        let mut scene = crate::formats::shared::sample::room();
+        let looking = camera();
+        let defaults = (1e-2, 1e4);
+        assert_eq!(clipping(&scene, &looking, defaults), (None, None));
+        let given = Camera { near: Some(2.0), far: Some(9.0), ..camera() };
+        assert_eq!(clipping(&scene, &given, defaults), (Some(2.0), Some(9.0)));
+        for (_, shape) in scene.shapes.iter_mut() {
+            shape.transform = Affine::scaling([1000.0; 3]);
+        }
+        let (near, far) = clipping(&scene, &looking, defaults);
+        assert!(near.is_none() && far.is_some_and(|far| far > 1.5 * 100_000.0));
+        let close = Camera { eye: [0.0, -1.0, 0.5], ..camera() };
+        for (_, shape) in scene.shapes.iter_mut() {
+            shape.transform = Affine::scaling([0.001; 3]);
+        }
+        let (near, far) = clipping(&scene, &close, defaults);
+        assert!(near.is_some_and(|near| near < 2e-3) && far.is_none());
+    }
+
+    #[test]
+    fn shears_are_seen() {
+        let shear = Affine { rows: [[1.0, 0.5, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
+        assert!(!has_orthogonal_columns(&shear));
+        let turned = Affine::scaling([1.0, 2.0, 3.0]).then(&Affine::rotation([0.0, 0.0, 1.0], 30.0));
+        assert!(has_orthogonal_columns(&turned));
+        // Scales after a rotation shear.
+        let other = Affine::rotation([0.0, 0.0, 1.0], 30.0).then(&Affine::scaling([1.0, 2.0, 3.0]));
+        assert!(!has_orthogonal_columns(&other));
+    }
+}

@@ -1,0 +1,124 @@
+//! Scenes for the tests of the formats.
+
+use crate::diag::Origin;
+use crate::ir::{
+    Affine, Arena, Bsdf, Camera, Color, Documentation, Emission, Film, Filter, Handle, Integrator, Material, Mesh,
+    Sampler, Scene, Shape, Vec3, cross, normalized, sub,
+};
+use crate::mesh::Geometry;
+
+/// A scene without surfaces: a square camera at (0, -160, 50) that looks along y with 45 degrees.
+pub fn empty(name: &str) -> Scene {
+    let mut cameras = Arena::default();
+    cameras.push(
+        Camera {
+            name: None,
+            eye: [0.0, -160.0, 50.0],
+            target: [0.0, 0.0, 50.0],
+            up: [0.0, 0.0, 1.0],
+            fov_x: 45.0,
+            near: None,
+            far: None,
+        },
+        Origin::Made,
+    );
+    Scene {
+        name: name.to_owned(),
+        origin: Origin::Made,
+        documentation: Documentation::default(),
+        meshes: Arena::default(),
+        materials: Arena::default(),
+        shapes: Arena::default(),
+        cameras,
+        film: Film { width: 128, height: 128, filter: Filter::Box { radius: 0.5 } },
+        integrator: Integrator::Path { max_depth: 10 },
+        sampler: Sampler::Independent { samples: 32, seed: 0 },
+    }
+}
+
+/// Adds a material.
+pub fn material(scene: &mut Scene, name: &str, bsdf: Bsdf) -> Handle<Material> {
+    scene.materials.push(Material { name: name.to_owned(), bsdf }, Origin::Made)
+}
+
+/// Adds a shape at its place.
+pub fn shape(
+    scene: &mut Scene,
+    name: &str,
+    mesh: Handle<Mesh>,
+    material: Handle<Material>,
+    emission: Option<Emission>,
+) -> Handle<Shape> {
+    let transform = Affine::IDENTITY;
+    let name = name.to_owned();
+    scene.shapes.push(Shape { name, mesh, transform, material, emission }, Origin::Made)
+}
+
+/// Flat quadrilaterals, each with its own four vertices, counter-clockwise seen from the side of the normal.
+pub fn quads(scene: &mut Scene, name: &str, quads: &[[Vec3; 4]]) -> Handle<Mesh> {
+    let mut geometry = Geometry::default();
+    let mut normals = Vec::new();
+    for quad in quads {
+        let normal = normalized(cross(sub(quad[1], quad[0]), sub(quad[2], quad[0])));
+        let normal = normal.expect("a proper quadrilateral").map(|x| x as f32);
+        let first = geometry.positions.len() as u32;
+        geometry.positions.extend(quad.map(|corner| corner.map(|x| x as f32)));
+        normals.extend([normal; 4]);
+        geometry.triangles.push([first, first + 1, first + 2]);
+        geometry.triangles.push([first, first + 2, first + 3]);
+    }
+    geometry.normals = Some(normals);
+    scene.meshes.push(geometry.into_mesh(name), Origin::Made)
+}
+
+/// The six outward sides of a box with its centre at `centre`, turned about z.
+pub fn block(scene: &mut Scene, name: &str, size: Vec3, centre: Vec3, degrees: f64) -> Handle<Mesh> {
+    let [x, y, z] = size.map(|side| side / 2.0);
+    let place = Affine::rotation([0.0, 0.0, 1.0], degrees).then(&Affine::translation(centre));
+    let sides = [
+        [[-x, -y, z], [x, -y, z], [x, y, z], [-x, y, z]],
+        [[-x, y, -z], [x, y, -z], [x, -y, -z], [-x, -y, -z]],
+        [[-x, -y, -z], [x, -y, -z], [x, -y, z], [-x, -y, z]],
+        [[x, y, -z], [-x, y, -z], [-x, y, z], [x, y, z]],
+        [[x, -y, -z], [x, y, -z], [x, y, z], [x, -y, z]],
+        [[-x, y, -z], [-x, -y, -z], [-x, -y, z], [-x, y, z]],
+    ];
+    quads(scene, name, &sides.map(|side| side.map(|corner| place.point(corner))))
+}
+
+/// A diffuse reflectance.
+pub fn diffuse(rgb: [f64; 3]) -> Bsdf {
+    let [r, g, b] = rgb;
+    let reflectance = if r == g && g == b { Color::Grey(r) } else { Color::Rgb(rgb) };
+    Bsdf::Diffuse { reflectance }
+}
+
+/// A Cornell box with its front open, two blocks and a lamp: the classic scene of the light transport test suite.
+pub fn room() -> Scene {
+    let mut scene = empty("cbox_classic");
+    let white = material(&mut scene, "white", diffuse([1.0; 3]));
+    let red = material(&mut scene, "red", diffuse([0.529, 0.024, 0.024]));
+    let green = material(&mut scene, "green", diffuse([0.024, 0.529, 0.024]));
+    let ochre = material(&mut scene, "ochre", diffuse([0.882, 0.776, 0.341]));
+    let black = material(&mut scene, "black", diffuse([0.0; 3]));
+    let (l, h) = (50.0, 100.0);
+    let walls: [(&str, Handle<Material>, [Vec3; 4]); 5] = [
+        ("floor", white, [[-l, -l, 0.0], [l, -l, 0.0], [l, l, 0.0], [-l, l, 0.0]]),
+        ("ceiling", white, [[-l, l, h], [l, l, h], [l, -l, h], [-l, -l, h]]),
+        ("back", white, [[-l, l, 0.0], [l, l, 0.0], [l, l, h], [-l, l, h]]),
+        ("left", red, [[-l, -l, 0.0], [-l, l, 0.0], [-l, l, h], [-l, -l, h]]),
+        ("right", green, [[l, l, 0.0], [l, -l, 0.0], [l, -l, h], [l, l, h]]),
+    ];
+    for (name, material, corners) in walls {
+        let mesh = quads(&mut scene, name, &[corners]);
+        shape(&mut scene, name, mesh, material, None);
+    }
+    let small = block(&mut scene, "small", [30.0, 30.0, 30.0], [17.0, -10.0, 15.0], -17.5);
+    shape(&mut scene, "small", small, ochre, None);
+    let tall = block(&mut scene, "tall", [30.0, 30.0, 60.0], [-17.5, 17.5, 30.0], 20.0);
+    shape(&mut scene, "tall", tall, ochre, None);
+    let (d, z) = (10.0, 99.0);
+    let lamp = quads(&mut scene, "lamp", &[[[-d, d, z], [d, d, z], [d, -d, z], [-d, -d, z]]]);
+    shape(&mut scene, "lamp", lamp, black, Some(Emission { radiance: Color::Grey(30.0) }));
+    scene
+}
