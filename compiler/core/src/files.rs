@@ -92,9 +92,7 @@ impl VPath {
 
     /// The ending of the last part in lower case, empty for none.
     pub fn extension(&self) -> String {
-        self.name()
-            .rsplit_once('.')
-            .map_or(String::new(), |(_, ending)| ending.to_ascii_lowercase())
+        self.name().rsplit_once('.').map_or(String::new(), |(_, ending)| ending.to_ascii_lowercase())
     }
 }
 
@@ -120,6 +118,12 @@ impl Deref for Bytes {
 
     fn deref(&self) -> &[u8] {
         (*self.0).as_ref()
+    }
+}
+
+impl fmt::Debug for Bytes {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Bytes({})", self.len())
     }
 }
 
@@ -149,10 +153,7 @@ impl fmt::Display for ReadError {
         match self {
             Self::Missing { .. } => f.write_str("there is no such file"),
             Self::Outside => f.write_str("a link leads out of the project"),
-            Self::TooLarge { size, limit } => write!(
-                f,
-                "the file has {size} bytes, more than the limit of {limit}"
-            ),
+            Self::TooLarge { size, limit } => write!(f, "the file has {size} bytes, more than the limit of {limit}"),
             Self::Other(text) => f.write_str(text),
         }
     }
@@ -168,11 +169,7 @@ pub trait Files: Sync {
 pub trait Sink {
     /// Writes the file at `path` (relative to the output folder, `/`) with what `write` writes. If `write` fails, the
     /// file is as it was before.
-    fn file(
-        &mut self,
-        path: &str,
-        write: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
-    ) -> io::Result<()>;
+    fn file(&mut self, path: &str, write: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>) -> io::Result<()>;
 }
 
 /// [`Files`] in memory.
@@ -192,16 +189,9 @@ impl Files for MemoryFiles {
     fn read(&self, path: &VPath, limit: u64) -> Result<Bytes, ReadError> {
         let Some(bytes) = self.files.get(path.as_str()) else {
             let folder = path.folder();
-            let beside = self
-                .files
-                .keys()
-                .filter_map(|name| VPath::resolve("", name).ok());
-            let beside = beside
-                .filter(|other| other.folder() == folder)
-                .map(|other| other.name().to_owned());
-            return Err(ReadError::Missing {
-                beside: beside.collect(),
-            });
+            let beside = self.files.keys().filter_map(|name| VPath::resolve("", name).ok());
+            let beside = beside.filter(|other| other.folder() == folder).map(|other| other.name().to_owned());
+            return Err(ReadError::Missing { beside: beside.collect() });
         };
         let size = bytes.len() as u64;
         if size > limit {
@@ -219,11 +209,7 @@ pub struct MemorySink {
 }
 
 impl Sink for MemorySink {
-    fn file(
-        &mut self,
-        path: &str,
-        write: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>,
-    ) -> io::Result<()> {
+    fn file(&mut self, path: &str, write: &mut dyn FnMut(&mut dyn io::Write) -> io::Result<()>) -> io::Result<()> {
         let mut bytes = Vec::new();
         write(&mut bytes)?;
         self.files.insert(path.to_owned(), bytes);
@@ -237,13 +223,8 @@ mod tests {
 
     #[test]
     fn paths_stay_inside() {
-        let at = |folder, relative| {
-            VPath::resolve(folder, relative).map(|path| path.as_str().to_owned())
-        };
-        assert_eq!(
-            at("scenes/lib", "../meshes/./a.ply"),
-            Ok("scenes/meshes/a.ply".to_owned())
-        );
+        let at = |folder, relative| VPath::resolve(folder, relative).map(|path| path.as_str().to_owned());
+        assert_eq!(at("scenes/lib", "../meshes/./a.ply"), Ok("scenes/meshes/a.ply".to_owned()));
         assert_eq!(at("scenes", "../../etc/passwd"), Err(PathError::Outside));
         assert_eq!(at("", "/etc/passwd"), Err(PathError::Absolute));
         assert_eq!(at("", "C:/a.ply"), Err(PathError::Absolute));

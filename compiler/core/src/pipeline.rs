@@ -1,1 +1,170 @@
-//! To come.
+//! All stages in their order: read, evaluate, lint, lower, validate, emit. The only file that knows them all.
+
+use std::collections::BTreeMap;
+use std::io;
+
+use crate::capability::{Support, features};
+use crate::diag::{Finding, Severity, Sources};
+use crate::eval::{self, Allow, Evaluated, Overrides};
+use crate::files::{Bytes, Files, Sink, VPath};
+use crate::formats::{self, Emission, Target};
+use crate::ir::{Camera, Handle, Scene};
+use crate::lint::{self, Levels};
+use crate::lower;
+use crate::valid::{self, Valid};
+
+/// How a file is looked at.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Settings that replace the scene's own.
+    pub overrides: Overrides,
+    /// Levels of rules that differ from the built-in ones.
+    pub levels: Levels,
+    /// Ignores the `allow` statements of scenes.
+    pub no_allow: bool,
+}
+
+/// A file that was read, evaluated and linted.
+#[derive(Debug)]
+pub struct Checked {
+    /// The scene, unless something is malformed or the file is a library.
+    pub scene: Option<Scene>,
+    /// Everything found, in the order of the text. Findings of severity [`Severity::Allow`] are among them.
+    pub findings: Vec<Finding>,
+    /// Whether the file is a library, which has nothing to emit.
+    pub library: bool,
+    /// Every file that was read, by path.
+    pub inputs: BTreeMap<VPath, Bytes>,
+}
+
+impl Checked {
+    /// The gravest finding's severity.
+    pub fn worst(&self) -> Severity {
+        self.findings.iter().map(|finding| finding.severity).max().unwrap_or(Severity::Allow)
+    }
+}
+
+/// Reads, evaluates and lints the file at `path`; texts that were read are added to `sources`.
+pub fn check(files: &dyn Files, sources: &mut Sources, path: &VPath, options: &Options) -> Checked {
+    let Evaluated { scene, mut findings, allows, inputs, library } =
+        eval::evaluate(files, sources, path, &options.overrides);
+    let mut linted = scene.as_ref().map(|scene| lint::lint(scene, &options.levels)).unwrap_or_default();
+    if !options.no_allow {
+        findings.extend(suppress(&mut linted, &allows, scene.is_some()));
+    }
+    findings.append(&mut linted);
+    findings.sort_by_key(|finding| finding.origin.span());
+    Checked { scene, findings, library, inputs }
+}
+
+/// Gives findings that an `allow` covers the severity [`Severity::Allow`]; says which suppressions are unknown or unused.
+fn suppress(linted: &mut [Finding], allows: &[Allow], complete: bool) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for allow in allows {
+        if lint::find(&allow.id).is_none() {
+            let similar = crate::diag::nearest(&allow.id, lint::RULES.iter().map(|rule| rule.id));
+            let message = format!("there is no rule `{}`", allow.id);
+            let known: Vec<&str> = lint::RULES.iter().map(|rule| rule.id).collect();
+            findings.push(
+                Finding::warn("unknown-rule", allow.span, message)
+                    .note(format!("known are {}", known.join(", ")))
+                    .maybe_help(similar.map(|id| format!("did you mean `{id}`?"))),
+            );
+            continue;
+        }
+        let mut used = false;
+        for finding in linted.iter_mut().filter(|finding| finding.id == allow.id) {
+            let covered = match (allow.range, finding.origin.span()) {
+                (None, Some(span)) => span.file == allow.span.file,
+                (Some(range), Some(span)) => {
+                    range.file == span.file && range.start <= span.start && span.start < range.end
+                }
+                (_, None) => false,
+            };
+            if covered {
+                finding.severity = Severity::Allow;
+                used = true;
+            }
+        }
+        // A library's suppressions may be about scenes other than this one.
+        if !used && complete {
+            findings.push(
+                Finding::warn("unused-allow", allow.span, format!("`allow {}` suppresses nothing", allow.id))
+                    .help("remove it"),
+            );
+        }
+    }
+    findings
+}
+
+/// Lowers and validates a scene. What was changed on the way comes back beside it.
+///
+/// # Errors
+/// What makes the scene invalid.
+pub fn prepare(scene: Scene) -> Result<(Valid, Vec<Finding>), Vec<Finding>> {
+    let (lowered, mut findings) = lower::lower(scene);
+    match valid::validate(lowered) {
+        Ok(valid) => Ok((valid, findings)),
+        Err(invalid) => {
+            findings.extend(invalid);
+            Err(findings)
+        }
+    }
+}
+
+/// What `target` cannot say exactly of `scene`: `loss-approximated` and `loss-dropped`.
+pub fn losses(scene: &Scene, target: &Target) -> Vec<Finding> {
+    let mut findings = Vec::new();
+    for (feature, origin) in features(scene) {
+        let name = target.name;
+        let what = feature.name();
+        match (target.supports)(feature) {
+            Support::Exact => {}
+            Support::Approximate { why, bound } => findings.push(
+                Finding::new(
+                    "loss-approximated",
+                    Severity::Info,
+                    origin,
+                    format!("{name} says {what} approximately: {why}"),
+                )
+                .note(bound),
+            ),
+            Support::Unsupported { why } => findings.push(Finding::new(
+                "loss-dropped",
+                Severity::Warn,
+                origin,
+                format!("{name} cannot say {what}: {why}"),
+            )),
+        }
+    }
+    findings
+}
+
+/// The camera called `name`, or the first one.
+pub fn camera(scene: &Scene, name: Option<&str>) -> Option<Handle<Camera>> {
+    let mut cameras = scene.cameras.iter();
+    let found = match name {
+        None => cameras.next(),
+        Some(name) => cameras.find(|(_, camera)| camera.name.as_deref() == Some(name)),
+    };
+    found.map(|(handle, _)| handle)
+}
+
+/// Writes one self-contained folder for one target, meshes inside.
+///
+/// # Errors
+/// What the sink says.
+pub fn emit_alone(scene: &Valid, camera: Handle<Camera>, target: &Target, sink: &mut dyn Sink) -> io::Result<()> {
+    if target.shares_meshes {
+        formats::write_meshes(scene, "meshes/", sink)?;
+    }
+    (target.emit)(&Emission { scene, camera, meshes: "meshes/" }, sink)
+}
+
+/// Writes the folder of one target beside a folder `meshes` that targets share.
+///
+/// # Errors
+/// What the sink says.
+pub fn emit_shared(scene: &Valid, camera: Handle<Camera>, target: &Target, sink: &mut dyn Sink) -> io::Result<()> {
+    (target.emit)(&Emission { scene, camera, meshes: "../meshes/" }, sink)
+}

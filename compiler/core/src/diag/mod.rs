@@ -3,8 +3,10 @@
 //! A message is lower-case, one sentence, names in backticks, no full stop. A label says what is wrong at its place, a
 //! note why (which renderer), the help what to write instead.
 
+mod codes;
 mod source;
 
+pub use codes::{CODES, Code};
 pub use source::{FileId, Position, SourceFile, Sources};
 
 use serde::Serialize;
@@ -40,11 +42,7 @@ impl Span {
     /// The range `start..end` of `file`.
     pub fn new(file: FileId, start: usize, end: usize) -> Self {
         let clamp = |at: usize| u32::try_from(at).unwrap_or(u32::MAX);
-        Self {
-            file,
-            start: clamp(start),
-            end: clamp(end.max(start)),
-        }
+        Self { file, start: clamp(start), end: clamp(end.max(start)) }
     }
 
     /// The smallest range that holds both; `self` where they lie in different files.
@@ -52,11 +50,7 @@ impl Span {
         if self.file != other.file {
             return self;
         }
-        Self {
-            file: self.file,
-            start: self.start.min(other.start),
-            end: self.end.max(other.end),
-        }
+        Self { file: self.file, start: self.start.min(other.start), end: self.end.max(other.end) }
     }
 }
 
@@ -124,12 +118,7 @@ pub struct Finding {
 
 impl Finding {
     /// A finding at `origin` without label, notes and help.
-    pub fn new(
-        id: &'static str,
-        severity: Severity,
-        origin: impl Into<Origin>,
-        message: impl Into<String>,
-    ) -> Self {
+    pub fn new(id: &'static str, severity: Severity, origin: impl Into<Origin>, message: impl Into<String>) -> Self {
         Self {
             id,
             severity,
@@ -162,10 +151,7 @@ impl Finding {
     /// Adds a second place.
     #[must_use]
     pub fn also(mut self, span: Span, text: impl Into<String>) -> Self {
-        self.labels.push(Label {
-            span,
-            text: text.into(),
-        });
+        self.labels.push(Label { span, text: text.into() });
         self
     }
 
@@ -210,8 +196,7 @@ pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Opti
 }
 
 fn distance(a: &str, b: &str) -> usize {
-    let lower =
-        |text: &str| -> Vec<char> { text.chars().take(64).flat_map(char::to_lowercase).collect() };
+    let lower = |text: &str| -> Vec<char> { text.chars().take(64).flat_map(char::to_lowercase).collect() };
     let (a, b) = (lower(a), lower(b));
     let mut before: Vec<usize> = vec![0; b.len() + 1];
     let mut above: Vec<usize> = (0..=b.len()).collect();
@@ -246,9 +231,7 @@ mod tests {
     #[test]
     fn severities_are_ordered() {
         assert!(
-            Severity::Error > Severity::Deny
-                && Severity::Deny > Severity::Warn
-                && Severity::Info > Severity::Allow
+            Severity::Error > Severity::Deny && Severity::Deny > Severity::Warn && Severity::Info > Severity::Allow
         );
     }
 }

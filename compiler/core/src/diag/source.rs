@@ -1,5 +1,7 @@
 //! The text files of a run, and the way from byte offsets to lines and columns.
 
+use std::sync::Arc;
+
 /// A text file of [`Sources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct FileId(u32);
@@ -19,7 +21,7 @@ pub struct SourceFile {
     /// The path as it is shown: relative to the project root, with `/`.
     pub path: String,
     /// The whole text.
-    pub text: String,
+    pub text: Arc<str>,
 }
 
 /// All text files of a run, in the order in which they were met.
@@ -30,12 +32,9 @@ pub struct Sources {
 
 impl Sources {
     /// Adds a file.
-    pub fn add(&mut self, path: impl Into<String>, text: impl Into<String>) -> FileId {
+    pub fn add(&mut self, path: impl Into<String>, text: impl Into<Arc<str>>) -> FileId {
         let id = FileId(u32::try_from(self.files.len()).unwrap_or(u32::MAX));
-        self.files.push(SourceFile {
-            path: path.into(),
-            text: text.into(),
-        });
+        self.files.push(SourceFile { path: path.into(), text: text.into() });
         id
     }
 
@@ -46,11 +45,7 @@ impl Sources {
 
     /// The file at `path`, if it was added.
     pub fn find(&self, path: &str) -> Option<FileId> {
-        self.files
-            .iter()
-            .position(|file| file.path == path)
-            .and_then(|at| u32::try_from(at).ok())
-            .map(FileId)
+        self.files.iter().position(|file| file.path == path).and_then(|at| u32::try_from(at).ok()).map(FileId)
     }
 
     /// All files.
@@ -66,10 +61,7 @@ impl Sources {
             at -= 1;
         }
         let before = &text.as_bytes()[..at];
-        let line_start = before
-            .iter()
-            .rposition(|byte| *byte == b'\n')
-            .map_or(0, |found| found + 1);
+        let line_start = before.iter().rposition(|byte| *byte == b'\n').map_or(0, |found| found + 1);
         Position {
             line: before.iter().filter(|byte| **byte == b'\n').count() + 1,
             column: text[line_start..at].chars().count() + 1,

@@ -1,1 +1,115 @@
-//! To come.
+//! Tree to Scene: names, types, units, constructors. Every error is a finding; evaluation goes on behind it.
+//!
+//! Reading order: `value`, `ops`, [`table`] (constructors), `expr` (expressions and calls), `module` (statements and
+//! `use`), `assemble` (the Scene).
+
+mod assemble;
+mod expr;
+mod module;
+mod ops;
+mod table;
+mod value;
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use crate::diag::{Finding, Severity, Sources, Span};
+use crate::files::{Files, VPath};
+use crate::ir::Scene;
+
+pub use table::{Constructor, Family, Parameter, table};
+pub use value::Ty;
+
+/// The largest scene text in bytes.
+pub const TEXT_LIMIT: u64 = 64 << 20;
+
+/// The largest mesh file in bytes.
+pub const MESH_LIMIT: u64 = 16 << 30;
+
+/// The most elements of a list.
+pub const LIST_LIMIT: usize = 1_000_000;
+
+/// Settings that replace the scene's own, from the command line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Overrides {
+    /// Pixels, at least 1.
+    pub width: Option<u32>,
+    /// Pixels, at least 1.
+    pub height: Option<u32>,
+    /// Samples per pixel, at least 1.
+    pub samples: Option<u32>,
+    /// Start of the random numbers.
+    pub seed: Option<u32>,
+    /// Segments of a path, at least 1.
+    pub max_depth: Option<u32>,
+}
+
+/// A suppression written in a scene: findings of `id` that start in `range` are allowed.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Allow {
+    /// The code.
+    pub id: String,
+    /// Where the code stands.
+    pub span: Span,
+    /// The reason given.
+    pub reason: String,
+    /// What it covers; none for the whole file.
+    pub range: Option<Span>,
+}
+
+/// What a file means.
+#[derive(Debug)]
+pub struct Evaluated {
+    /// The scene, if nothing was malformed and the file is one.
+    pub scene: Option<Scene>,
+    /// What was found.
+    pub findings: Vec<Finding>,
+    /// Suppressions in the file.
+    pub allows: Vec<Allow>,
+    /// Every file that was read, with the bytes that came from it, sorted by path: the inputs of the scene.
+    pub inputs: BTreeMap<VPath, crate::files::Bytes>,
+    /// Whether the file has no `scene` and is a library.
+    pub library: bool,
+}
+
+/// Reads and evaluates the file at `path`. Texts that were read are added to `sources`.
+pub fn evaluate(files: &dyn Files, sources: &mut Sources, path: &VPath, overrides: &Overrides) -> Evaluated {
+    let mut interpreter = Interpreter {
+        files,
+        sources,
+        findings: Vec::new(),
+        allows: Vec::new(),
+        modules: BTreeMap::new(),
+        loading: Vec::new(),
+        inputs: BTreeMap::new(),
+        meshes: BTreeMap::new(),
+    };
+    let loaded = interpreter.main(path);
+    let library = loaded.as_ref().is_some_and(|module| module.header.is_none());
+    let malformed = |found: &[Finding]| found.iter().any(|finding| finding.severity == Severity::Error);
+    let mut scene = None;
+    if let Some(module) = loaded {
+        scene = interpreter.assemble(module, path, overrides).filter(|_| !malformed(&interpreter.findings));
+    }
+    let Interpreter { mut findings, allows, inputs, .. } = interpreter;
+    findings.sort_by_key(|finding| finding.origin.span());
+    Evaluated { scene, findings, allows, inputs, library }
+}
+
+/// What has been reported and has no value.
+struct Reported;
+
+/// Evaluates one scene file and the libraries it uses.
+struct Interpreter<'f> {
+    files: &'f dyn Files,
+    sources: &'f mut Sources,
+    findings: Vec<Finding>,
+    allows: Vec<Allow>,
+    /// Libraries that have been evaluated; none for those that could not be read.
+    modules: BTreeMap<VPath, Option<Rc<module::Names>>>,
+    /// Files whose evaluation has not ended, outermost first.
+    loading: Vec<VPath>,
+    inputs: BTreeMap<VPath, crate::files::Bytes>,
+    /// Meshes read from files, by path and part.
+    meshes: BTreeMap<(VPath, Option<String>), value::Value>,
+}

@@ -15,11 +15,7 @@ pub fn dot(a: Vec3, b: Vec3) -> f64 {
 
 /// The vector product.
 pub fn cross(a: Vec3, b: Vec3) -> Vec3 {
-    [
-        a[1] * b[2] - a[2] * b[1],
-        a[2] * b[0] - a[0] * b[2],
-        a[0] * b[1] - a[1] * b[0],
-    ]
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// The Euclidean length.
@@ -48,13 +44,7 @@ pub struct Affine {
 
 impl Affine {
     /// The map that changes nothing.
-    pub const IDENTITY: Self = Self {
-        rows: [
-            [1.0, 0.0, 0.0, 0.0],
-            [0.0, 1.0, 0.0, 0.0],
-            [0.0, 0.0, 1.0, 0.0],
-        ],
-    };
+    pub const IDENTITY: Self = Self { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
 
     /// Moves by `by`.
     pub fn translation(by: Vec3) -> Self {
@@ -83,24 +73,9 @@ impl Affine {
         let k = 1.0 - cosine;
         Self {
             rows: [
-                [
-                    cosine + x * x * k,
-                    x * y * k - z * sine,
-                    x * z * k + y * sine,
-                    0.0,
-                ],
-                [
-                    y * x * k + z * sine,
-                    cosine + y * y * k,
-                    y * z * k - x * sine,
-                    0.0,
-                ],
-                [
-                    z * x * k - y * sine,
-                    z * y * k + x * sine,
-                    cosine + z * z * k,
-                    0.0,
-                ],
+                [cosine + x * x * k, x * y * k - z * sine, x * z * k + y * sine, 0.0],
+                [y * x * k + z * sine, cosine + y * y * k, y * z * k - x * sine, 0.0],
+                [z * x * k - y * sine, z * y * k + x * sine, cosine + z * z * k, 0.0],
             ],
         }
     }
@@ -120,8 +95,7 @@ impl Affine {
 
     /// Where a point goes.
     pub fn point(&self, p: Vec3) -> Vec3 {
-        self.rows
-            .map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3])
+        self.rows.map(|r| r[0] * p[0] + r[1] * p[1] + r[2] * p[2] + r[3])
     }
 
     /// Where a direction goes.
@@ -195,10 +169,7 @@ mod tests {
     #[test]
     fn a_quarter_turn_about_z_takes_x_to_y_exactly() {
         for turns in [-7, -3, 1, 5] {
-            assert_eq!(
-                Affine::rotation(Z, 90.0 * f64::from(turns)).vector(X),
-                [0.0, 1.0, 0.0]
-            );
+            assert_eq!(Affine::rotation(Z, 90.0 * f64::from(turns)).vector(X), [0.0, 1.0, 0.0]);
         }
         assert_eq!(Affine::rotation(Z, -90.0).vector(X), [0.0, -1.0, 0.0]);
     }

@@ -62,10 +62,7 @@ pub struct Arena<T> {
 
 impl<T> Default for Arena<T> {
     fn default() -> Self {
-        Self {
-            items: Vec::new(),
-            origins: Vec::new(),
-        }
+        Self { items: Vec::new(), origins: Vec::new() }
     }
 }
 
@@ -78,10 +75,7 @@ impl<T> Arena<T> {
         let index = u32::try_from(self.items.len()).expect("fewer than 2^32 items of a kind");
         self.items.push(item);
         self.origins.push(origin.into());
-        Handle {
-            index,
-            kind: PhantomData,
-        }
+        Handle { index, kind: PhantomData }
     }
 
     /// Where the item comes from.
@@ -91,28 +85,12 @@ impl<T> Arena<T> {
 
     /// Items with their handles.
     pub fn iter(&self) -> impl Iterator<Item = (Handle<T>, &T)> {
-        (0u32..).zip(&self.items).map(|(index, item)| {
-            (
-                Handle {
-                    index,
-                    kind: PhantomData,
-                },
-                item,
-            )
-        })
+        (0u32..).zip(&self.items).map(|(index, item)| (Handle { index, kind: PhantomData }, item))
     }
 
     /// Items with their handles, to be changed.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = (Handle<T>, &mut T)> {
-        (0u32..).zip(&mut self.items).map(|(index, item)| {
-            (
-                Handle {
-                    index,
-                    kind: PhantomData,
-                },
-                item,
-            )
-        })
+        (0u32..).zip(&mut self.items).map(|(index, item)| (Handle { index, kind: PhantomData }, item))
     }
 
     /// Items without handles.

@@ -28,6 +28,7 @@ mod mesh;
 mod settings;
 mod shape;
 
+pub(crate) use affine::sin_cos_degrees;
 pub use affine::{Affine, Vec3, cross, dot, length, normalized, sub};
 pub use arena::{Arena, Handle};
 pub use camera::Camera;

@@ -1,9 +1,6 @@
 //! Pairs of the grammar to the tree. Pest stays inside this folder.
 
-#![expect(
-    clippy::wildcard_enum_match_arm,
-    reason = "the enum of rules is made by pest and also lists every token"
-)]
+#![expect(clippy::wildcard_enum_match_arm, reason = "the enum of rules is made by pest and also lists every token")]
 
 use std::ops::Range;
 
@@ -13,8 +10,7 @@ use crate::diag::{FileId, Finding, Span};
 
 use super::parse::Rule;
 use super::tree::{
-    Arg, Binary, Call, Clause, Expr, ExprKind, Field, Kind, Name, Param, Statement, StatementKind,
-    Type, Unary,
+    Arg, Binary, Call, Clause, Expr, ExprKind, Field, Kind, Name, Param, Statement, StatementKind, Type, Unary,
 };
 use super::{NAME_LIMIT, NESTING_LIMIT};
 
@@ -36,14 +32,7 @@ type Built<T> = Result<T, Broken>;
 impl<'t> Builder<'t> {
     /// A builder for the piece of `text` that starts at `offset`.
     pub(super) fn new(file: FileId, offset: usize, text: &'t str) -> Self {
-        Self {
-            file,
-            offset,
-            text,
-            junk: Vec::new(),
-            findings: Vec::new(),
-            depth: 0,
-        }
+        Self { file, offset, text, junk: Vec::new(), findings: Vec::new(), depth: 0 }
     }
 
     /// What the grammar refused, as ranges of the whole text, and findings about the rest.
@@ -110,10 +99,7 @@ impl<'t> Builder<'t> {
         self.depth = 0;
         self.refuse(
             Finding::error("nesting-limit", span, "the expression is nested too deeply")
-                .note(format!(
-                    "at most {} levels of operators, conditions and signs are read",
-                    NESTING_LIMIT * 2
-                ))
+                .note(format!("at most {} levels of operators, conditions and signs are read", NESTING_LIMIT * 2))
                 .help("give the inner parts names with `let`"),
         )
     }
@@ -166,30 +152,18 @@ impl<'t> Builder<'t> {
                 Rule::name => name = Some(self.name(inner)?),
                 Rule::field => {
                     let label = self.label(&inner);
-                    fields.push(Field {
-                        name: label,
-                        value: self.only_expr(inner)?,
-                    });
+                    fields.push(Field { name: label, value: self.only_expr(inner)? });
                 }
                 _ => {}
             }
         }
-        Ok(StatementKind::Scene {
-            name: name.ok_or(Broken)?,
-            fields,
-        })
+        Ok(StatementKind::Scene { name: name.ok_or(Broken)?, fields })
     }
 
     fn label(&self, pair: &Pair<'t, Rule>) -> Name {
-        let found = pair
-            .clone()
-            .into_inner()
-            .find(|inner| inner.as_rule() == Rule::label);
+        let found = pair.clone().into_inner().find(|inner| inner.as_rule() == Rule::label);
         let pair = found.as_ref().unwrap_or(pair);
-        Name {
-            text: pair.as_str().to_owned(),
-            span: self.span(pair),
-        }
+        Name { text: pair.as_str().to_owned(), span: self.span(pair) }
     }
 
     fn use_names(&mut self, pair: Pair<'t, Rule>) -> Built<StatementKind> {
@@ -199,10 +173,7 @@ impl<'t> Builder<'t> {
             match inner.as_rule() {
                 Rule::used => {
                     let mut both = Vec::new();
-                    for name in inner
-                        .into_inner()
-                        .filter(|part| part.as_rule() == Rule::name)
-                    {
+                    for name in inner.into_inner().filter(|part| part.as_rule() == Rule::name) {
                         both.push(self.name(name)?);
                     }
                     let mut both = both.into_iter();
@@ -212,10 +183,7 @@ impl<'t> Builder<'t> {
                 _ => {}
             }
         }
-        Ok(StatementKind::Use {
-            names,
-            path: path.ok_or(Broken)?,
-        })
+        Ok(StatementKind::Use { names, path: path.ok_or(Broken)? })
     }
 
     fn parameter(&mut self, pair: Pair<'t, Rule>) -> Built<StatementKind> {
@@ -241,13 +209,7 @@ impl<'t> Builder<'t> {
         let text = pair.as_str();
         let word = text.trim_matches(|c: char| matches!(c, '[' | ']') || c.is_whitespace());
         let lists = text.bytes().filter(|byte| *byte == b'[').count();
-        Type {
-            name: Name {
-                text: word.to_owned(),
-                span: self.span(pair),
-            },
-            lists,
-        }
+        Type { name: Name { text: word.to_owned(), span: self.span(pair) }, lists }
     }
 
     fn for_loop(&mut self, pair: Pair<'t, Rule>) -> Built<StatementKind> {
@@ -283,11 +245,7 @@ impl<'t> Builder<'t> {
                 _ => {}
             }
         }
-        Ok(Clause {
-            names,
-            tuple,
-            over: over.ok_or(Broken)?,
-        })
+        Ok(Clause { names, tuple, over: over.ok_or(Broken)? })
     }
 
     fn condition(&mut self, pair: Pair<'t, Rule>) -> Built<StatementKind> {
@@ -308,30 +266,19 @@ impl<'t> Builder<'t> {
                 }
             }
         }
-        Ok(StatementKind::If {
-            branches,
-            otherwise,
-        })
+        Ok(StatementKind::If { branches, otherwise })
     }
 
     fn allow(&mut self, pair: Pair<'t, Rule>) -> Built<StatementKind> {
         let (mut id, mut reason) = (None, None);
         for inner in pair.into_inner() {
             match inner.as_rule() {
-                Rule::finding_id => {
-                    id = Some(Name {
-                        text: inner.as_str().to_owned(),
-                        span: self.span(&inner),
-                    })
-                }
+                Rule::finding_id => id = Some(Name { text: inner.as_str().to_owned(), span: self.span(&inner) }),
                 Rule::string => reason = Some(self.string(&inner)?),
                 _ => {}
             }
         }
-        Ok(StatementKind::Allow {
-            id: id.ok_or(Broken)?,
-            reason: reason.ok_or(Broken)?,
-        })
+        Ok(StatementKind::Allow { id: id.ok_or(Broken)?, reason: reason.ok_or(Broken)? })
     }
 
     fn group(&mut self, pair: Pair<'t, Rule>) -> Built<StatementKind> {
@@ -344,11 +291,7 @@ impl<'t> Builder<'t> {
                 _ => {}
             }
         }
-        Ok(StatementKind::Group {
-            name: name.ok_or(Broken)?,
-            params,
-            body,
-        })
+        Ok(StatementKind::Group { name: name.ok_or(Broken)?, params, body })
     }
 
     fn params(&mut self, pair: Pair<'t, Rule>) -> Built<Vec<Param>> {
@@ -363,18 +306,13 @@ impl<'t> Builder<'t> {
                     _ => {}
                 }
             }
-            params.push(Param {
-                name: name.ok_or(Broken)?,
-                ty: ty.ok_or(Broken)?,
-                default,
-            });
+            params.push(Param { name: name.ok_or(Broken)?, ty: ty.ok_or(Broken)?, default });
         }
         Ok(params)
     }
 
     fn declaration(&mut self, pair: Pair<'t, Rule>) -> Built<StatementKind> {
-        let (mut kind, mut name, mut params, mut value, mut with) =
-            (Kind::Let, None, None, None, None);
+        let (mut kind, mut name, mut params, mut value, mut with) = (Kind::Let, None, None, None, None);
         for inner in pair.into_inner() {
             match inner.as_rule() {
                 Rule::kind => kind = kind_of(inner.as_str()),
@@ -385,13 +323,7 @@ impl<'t> Builder<'t> {
                 _ => {}
             }
         }
-        Ok(StatementKind::Declaration {
-            kind,
-            name,
-            params,
-            value: value.ok_or(Broken)?,
-            with,
-        })
+        Ok(StatementKind::Declaration { kind, name, params, value: value.ok_or(Broken)?, with })
     }
 
     fn name(&mut self, pair: Pair<'t, Rule>) -> Built<Name> {
@@ -399,19 +331,12 @@ impl<'t> Builder<'t> {
         let text = pair.as_str().trim_matches('`').to_owned();
         if text.len() > NAME_LIMIT {
             return self.refuse(
-                Finding::error(
-                    "name-limit",
-                    span,
-                    format!("a name has more than {NAME_LIMIT} bytes"),
-                )
-                .label("this one"),
+                Finding::error("name-limit", span, format!("a name has more than {NAME_LIMIT} bytes"))
+                    .label("this one"),
             );
         }
         if let Some(bad) = text.chars().find(|c| c.is_control()) {
-            let message = format!(
-                "a name contains the control character U+{:04X}",
-                u32::from(bad)
-            );
+            let message = format!("a name contains the control character U+{:04X}", u32::from(bad));
             return self.refuse(Finding::error("syntax-error", span, message));
         }
         Ok(Name { text, span })
@@ -432,11 +357,7 @@ impl<'t> Builder<'t> {
                 Some('n') => Some('\n'),
                 Some(quoted @ ('"' | '\\')) => Some(quoted),
                 Some('u') => {
-                    let code: String = rest
-                        .by_ref()
-                        .skip_while(|c| *c == '{')
-                        .take_while(|c| *c != '}')
-                        .collect();
+                    let code: String = rest.by_ref().skip_while(|c| *c == '{').take_while(|c| *c != '}').collect();
                     u32::from_str_radix(&code, 16).ok().and_then(char::from_u32)
                 }
                 _ => None,
@@ -457,10 +378,7 @@ impl<'t> Builder<'t> {
     fn expr(&mut self, pair: Pair<'t, Rule>) -> Built<Expr> {
         let span = self.span(&pair);
         self.deeper(span)?;
-        let mut tokens = pair
-            .into_inner()
-            .filter(|inner| !matches!(inner.as_rule(), Rule::EOI))
-            .peekable();
+        let mut tokens = pair.into_inner().filter(|inner| !matches!(inner.as_rule(), Rule::EOI)).peekable();
         let built = self.climb(&mut tokens, 0)?;
         self.depth = self.depth.saturating_sub(1);
         Ok(built)
@@ -493,9 +411,7 @@ impl<'t> Builder<'t> {
                 Infix::Pipe => self.pipe(left, right)?,
                 Infix::Operator(operator) => {
                     if power == COMPARISON
-                        && tokens
-                            .peek()
-                            .is_some_and(|next| infix_power(next.as_str()) == Some(COMPARISON))
+                        && tokens.peek().is_some_and(|next| infix_power(next.as_str()) == Some(COMPARISON))
                     {
                         let both = left.span.to(right.span);
                         return self.refuse(
@@ -504,10 +420,7 @@ impl<'t> Builder<'t> {
                         );
                     }
                     let span = left.span.to(right.span);
-                    Expr {
-                        span,
-                        kind: ExprKind::Binary(operator, sign, Box::new((left, right))),
-                    }
+                    Expr { span, kind: ExprKind::Binary(operator, sign, Box::new((left, right))) }
                 }
             };
         }
@@ -521,14 +434,7 @@ impl<'t> Builder<'t> {
         let mut signs = Vec::new();
         while let Some(token) = tokens.next_if(|token| token.as_rule() == Rule::prefix) {
             let span = self.span(&token);
-            signs.push((
-                if token.as_str().starts_with('-') {
-                    Unary::Minus
-                } else {
-                    Unary::Not
-                },
-                span,
-            ));
+            signs.push((if token.as_str().starts_with('-') { Unary::Minus } else { Unary::Not }, span));
             if signs.len() > NESTING_LIMIT {
                 self.depth = NESTING_LIMIT * 2;
                 self.deeper(span)?;
@@ -537,10 +443,7 @@ impl<'t> Builder<'t> {
         let operand = tokens.next().ok_or(Broken)?;
         let mut value = self.operand(operand)?;
         for (sign, span) in signs.into_iter().rev() {
-            value = Expr {
-                span: span.to(value.span),
-                kind: ExprKind::Unary(sign, Box::new(value)),
-            };
+            value = Expr { span: span.to(value.span), kind: ExprKind::Unary(sign, Box::new(value)) };
         }
         Ok(value)
     }
@@ -549,31 +452,14 @@ impl<'t> Builder<'t> {
         let span = piped.span.to(right.span);
         match right.kind {
             ExprKind::Call(call) if call.piped.is_none() => {
-                let Call {
-                    name,
-                    piped: _,
-                    args,
-                    span: own,
-                } = *call;
-                let call = Call {
-                    name,
-                    piped: Some(piped),
-                    args,
-                    span: own,
-                };
-                Ok(Expr {
-                    span,
-                    kind: ExprKind::Call(Box::new(call)),
-                })
+                let Call { name, piped: _, args, span: own } = *call;
+                let call = Call { name, piped: Some(piped), args, span: own };
+                Ok(Expr { span, kind: ExprKind::Call(Box::new(call)) })
             }
             _ => self.refuse(
-                Finding::error(
-                    "syntax-error",
-                    right.span,
-                    "the right side of `|>` must be a call",
-                )
-                .label("no call")
-                .help("write for example `|> faceted()`"),
+                Finding::error("syntax-error", right.span, "the right side of `|>` must be a call")
+                    .label("no call")
+                    .help("write for example `|> faceted()`"),
             ),
         }
     }
@@ -588,17 +474,11 @@ impl<'t> Builder<'t> {
                     match inner.into_inner().next() {
                         Some(part) if part.as_rule() == Rule::expr => {
                             let index = self.expr(part)?;
-                            Expr {
-                                span,
-                                kind: ExprKind::Index(Box::new((of, index))),
-                            }
+                            Expr { span, kind: ExprKind::Index(Box::new((of, index))) }
                         }
                         Some(part) => {
                             let name = self.name(part)?;
-                            Expr {
-                                span,
-                                kind: ExprKind::Member(Box::new(of), name),
-                            }
+                            Expr { span, kind: ExprKind::Member(Box::new(of), name) }
                         }
                         None => return Err(Broken),
                     }
@@ -634,9 +514,7 @@ impl<'t> Builder<'t> {
             _ => {
                 let mut parts = self.exprs(pair)?.into_iter();
                 match (parts.next(), parts.next(), parts.next()) {
-                    (Some(when), Some(then), Some(otherwise)) => {
-                        ExprKind::If(Box::new((when, then, otherwise)))
-                    }
+                    (Some(when), Some(then), Some(otherwise)) => ExprKind::If(Box::new((when, then, otherwise))),
                     _ => return Err(Broken),
                 }
             }
@@ -645,35 +523,23 @@ impl<'t> Builder<'t> {
     }
 
     fn exprs(&mut self, pair: Pair<'t, Rule>) -> Built<Vec<Expr>> {
-        let inner = pair
-            .into_inner()
-            .filter(|inner| inner.as_rule() == Rule::expr);
+        let inner = pair.into_inner().filter(|inner| inner.as_rule() == Rule::expr);
         inner.map(|expr| self.expr(expr)).collect()
     }
 
     fn paren(&mut self, pair: Pair<'t, Rule>, span: Span) -> Built<Expr> {
-        let trailing = pair
-            .clone()
-            .into_inner()
-            .any(|inner| inner.as_rule() == Rule::trailing_comma);
+        let trailing = pair.clone().into_inner().any(|inner| inner.as_rule() == Rule::trailing_comma);
         let mut parts = self.exprs(pair)?;
         if parts.len() == 1 && !trailing {
             // Brackets round one value only group; the place stays that of the whole.
-            return Ok(Expr {
-                span,
-                kind: parts.remove(0).kind,
-            });
+            return Ok(Expr { span, kind: parts.remove(0).kind });
         }
         if parts.len() == 1 {
             return self.refuse(
-                Finding::error("syntax-error", span, "a tuple needs at least two values")
-                    .help("remove the comma"),
+                Finding::error("syntax-error", span, "a tuple needs at least two values").help("remove the comma"),
             );
         }
-        Ok(Expr {
-            span,
-            kind: ExprKind::Tuple(parts),
-        })
+        Ok(Expr { span, kind: ExprKind::Tuple(parts) })
     }
 
     fn call(&mut self, pair: Pair<'t, Rule>, span: Span) -> Built<Expr> {
@@ -683,75 +549,40 @@ impl<'t> Builder<'t> {
                 Rule::name => name = Some(self.name(inner)?),
                 Rule::args => {
                     for arg in inner.into_inner() {
-                        let labelled = arg
-                            .clone()
-                            .into_inner()
-                            .any(|part| part.as_rule() == Rule::label);
+                        let labelled = arg.clone().into_inner().any(|part| part.as_rule() == Rule::label);
                         let label = labelled.then(|| self.label(&arg));
-                        args.push(Arg {
-                            label,
-                            value: self.only_expr(arg)?,
-                        });
+                        args.push(Arg { label, value: self.only_expr(arg)? });
                     }
                 }
                 _ => {}
             }
         }
-        let call = Call {
-            name: name.ok_or(Broken)?,
-            piped: None,
-            args,
-            span,
-        };
-        Ok(Expr {
-            span,
-            kind: ExprKind::Call(Box::new(call)),
-        })
+        let call = Call { name: name.ok_or(Broken)?, piped: None, args, span };
+        Ok(Expr { span, kind: ExprKind::Call(Box::new(call)) })
     }
 
     fn number(&mut self, pair: &Pair<'t, Rule>, span: Span) -> Built<ExprKind> {
         let text = pair.as_str();
-        let suffix = pair
-            .clone()
-            .into_inner()
-            .find(|inner| inner.as_rule() == Rule::suffix);
+        let suffix = pair.clone().into_inner().find(|inner| inner.as_rule() == Rule::suffix);
         let suffix = suffix.as_ref().map_or("", Pair::as_str);
         let value = self.value(&text[..text.len() - suffix.len()], span)?;
-        Ok(if suffix.is_empty() {
-            ExprKind::Number(value)
-        } else {
-            ExprKind::Unit(value, suffix.to_owned())
-        })
+        Ok(if suffix.is_empty() { ExprKind::Number(value) } else { ExprKind::Unit(value, suffix.to_owned()) })
     }
 
     fn row(&mut self, pair: &Pair<'t, Rule>, span: Span) -> Built<Vec<f64>> {
         let text = pair.as_str();
-        let inner = text
-            .trim_start_matches('(')
-            .trim_end_matches(')')
-            .trim()
-            .trim_end_matches(',');
-        inner
-            .split(',')
-            .map(|number| self.value(number.trim(), span))
-            .collect()
+        let inner = text.trim_start_matches('(').trim_end_matches(')').trim().trim_end_matches(',');
+        inner.split(',').map(|number| self.value(number.trim(), span)).collect()
     }
 
     fn value(&mut self, text: &str, span: Span) -> Built<f64> {
-        let parsed: Option<f64> = if text.contains('_') {
-            text.replace('_', "").parse().ok()
-        } else {
-            text.parse().ok()
-        };
+        let parsed: Option<f64> =
+            if text.contains('_') { text.replace('_', "").parse().ok() } else { text.parse().ok() };
         match parsed {
             Some(value) if value.is_finite() => Ok(value),
             _ => self.refuse(
-                Finding::error(
-                    "number-range",
-                    span,
-                    format!("`{}` is too large for a number", clip(text)),
-                )
-                .note("numbers are double precision, up to 1.8e308"),
+                Finding::error("number-range", span, format!("`{}` is too large for a number", clip(text)))
+                    .note("numbers are double precision, up to 1.8e308"),
             ),
         }
     }
@@ -759,11 +590,7 @@ impl<'t> Builder<'t> {
 
 /// At most 40 characters of a text, for messages.
 pub(super) fn clip(text: &str) -> String {
-    if text.chars().count() <= 40 {
-        text.to_owned()
-    } else {
-        text.chars().take(37).chain("...".chars()).collect()
-    }
+    if text.chars().count() <= 40 { text.to_owned() } else { text.chars().take(37).chain("...".chars()).collect() }
 }
 
 enum Infix {
@@ -813,9 +640,7 @@ fn kind_of(word: &str) -> Kind {
         Kind::Integrator,
         Kind::Sampler,
     ];
-    all.into_iter()
-        .find(|kind| kind.word() == word)
-        .unwrap_or(Kind::Let)
+    all.into_iter().find(|kind| kind.word() == word).unwrap_or(Kind::Let)
 }
 
 fn doc_text(pair: Pair<'_, Rule>) -> String {

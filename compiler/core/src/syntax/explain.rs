@@ -31,21 +31,10 @@ pub(super) fn explain(file: FileId, text: &str, range: Range<usize>) -> Finding 
             _ => "}",
         };
         let stop = Span::new(file, range.end.saturating_sub(1), range.end);
-        let place = if offset > open {
-            at(offset.min(junk.trim_end().len()), 1)
-        } else {
-            stop
-        };
-        return Finding::error(
-            "syntax-error",
-            at(open, 1),
-            format!("this `{what}` is not closed"),
-        )
-        .label("opened here")
-        .also(
-            place,
-            format!("a `{close}` is missing at or before this place"),
-        );
+        let place = if offset > open { at(offset.min(junk.trim_end().len()), 1) } else { stop };
+        return Finding::error("syntax-error", at(open, 1), format!("this `{what}` is not closed"))
+            .label("opened here")
+            .also(place, format!("a `{close}` is missing at or before this place"));
     }
     if let Some(finding) = local(junk, offset, rest, &at) {
         return finding;
@@ -57,16 +46,8 @@ pub(super) fn explain(file: FileId, text: &str, range: Range<usize>) -> Finding 
     } else {
         format!("`{}` does not fit here", clip(found))
     };
-    let finding = Finding::error(
-        "syntax-error",
-        at(offset.min(junk.trim_end().len()), length),
-        message,
-    );
-    if expected.is_empty() {
-        finding
-    } else {
-        finding.label(format!("expected {expected}"))
-    }
+    let finding = Finding::error("syntax-error", at(offset.min(junk.trim_end().len()), length), message);
+    if expected.is_empty() { finding } else { finding.label(format!("expected {expected}")) }
 }
 
 /// Mistakes that are seen from the start of the junk.
@@ -81,166 +62,112 @@ fn whole(junk: &str, at: &dyn Fn(usize, usize) -> Span) -> Option<Finding> {
     }
     if let Some(open) = open_string(junk) {
         return Some(
-            Finding::error(
-                "syntax-error",
-                at(open, 1),
-                "the string is not closed on its line",
-            )
-            .label("opened here")
-            .help("write a closing `\"`; a line break in a string is `\\n`"),
+            Finding::error("syntax-error", at(open, 1), "the string is not closed on its line")
+                .label("opened here")
+                .help("write a closing `\"`; a line break in a string is `\\n`"),
         );
     }
     let is_word = first.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
     if is_word && !STARTERS.contains(&first) {
         let similar = nearest(first, STARTERS.iter().copied());
         let help = similar.map_or_else(
-            || "a statement starts with its kind, for example `let name = ...` or `shape name = ... with ...`".to_owned(),
+            || {
+                "a statement starts with its kind, for example `let name = ...` or `shape name = ... with ...`"
+                    .to_owned()
+            },
             |word| format!("did you mean `{word}`?"),
         );
         return Some(
-            Finding::error(
-                "syntax-error",
-                at(0, first.len()),
-                format!("no statement starts with `{}`", clip(first)),
-            )
-            .label("unknown kind of statement")
-            .help(help),
+            Finding::error("syntax-error", at(0, first.len()), format!("no statement starts with `{}`", clip(first)))
+                .label("unknown kind of statement")
+                .help(help),
         );
     }
     None
 }
 
 /// Mistakes that are seen at the place that the grammar refused, or just before it.
-fn local(
-    junk: &str,
-    offset: usize,
-    rest: &str,
-    at: &dyn Fn(usize, usize) -> Span,
-) -> Option<Finding> {
+fn local(junk: &str, offset: usize, rest: &str, at: &dyn Fn(usize, usize) -> Span) -> Option<Finding> {
     let before = junk[..offset].trim_end();
     let word = token(rest);
-    let error = |start: usize, length: usize, message: String| {
-        Finding::error("syntax-error", at(start, length), message)
-    };
+    let error =
+        |start: usize, length: usize, message: String| Finding::error("syntax-error", at(start, length), message);
     if RESERVED.contains(&word) {
-        let names = before.is_empty()
-            || STARTERS.contains(&last_word(before))
-            || before.ends_with(['(', ',', '.']);
+        let names = before.is_empty() || STARTERS.contains(&last_word(before)) || before.ends_with(['(', ',', '.']);
         if names || before.ends_with('=') || ends_with_operator(before) {
             return Some(
                 error(offset, word.len(), format!("`{word}` is a reserved word"))
                     .label("cannot be a name")
-                    .help(format!(
-                        "choose another name, or write it in backticks: `` `{word}` ``"
-                    )),
+                    .help(format!("choose another name, or write it in backticks: `` `{word}` ``")),
             );
         }
     }
     let last = last_word(before);
-    if RESERVED.contains(&last)
-        && (rest.starts_with('=') || rest.starts_with(','))
-        && last != "camera"
-    {
+    if RESERVED.contains(&last) && (rest.starts_with('=') || rest.starts_with(',')) && last != "camera" {
         let head = before[..before.len() - last.len()].trim_end();
         if STARTERS.contains(&last_word(head)) {
             return Some(
-                error(
-                    before.len() - last.len(),
-                    last.len(),
-                    format!("`{last}` is a reserved word"),
-                )
-                .label("cannot be a name")
-                .help(format!(
-                    "choose another name, or write it in backticks: `` `{last}` ``"
-                )),
+                error(before.len() - last.len(), last.len(), format!("`{last}` is a reserved word"))
+                    .label("cannot be a name")
+                    .help(format!("choose another name, or write it in backticks: `` `{last}` ``")),
             );
         }
     }
     let adjacent = rest.starts_with('=') && junk[..offset].ends_with('=');
     if rest.starts_with("==") || adjacent {
         let start = if adjacent { offset - 1 } else { offset };
-        return Some(
-            error(start, 2, "`==` compares two values".to_owned())
-                .help("a declaration has one `=`"),
-        );
+        return Some(error(start, 2, "`==` compares two values".to_owned()).help("a declaration has one `=`"));
     }
     if rest.starts_with(';') {
         return Some(error(offset, 1, "statements end without `;`".to_owned()).help("remove it"));
     }
     if rest.starts_with('.') && rest[1..].starts_with(|c: char| c.is_ascii_digit()) {
         return Some(
-            error(
-                offset,
-                1,
-                "a number needs a digit before the point".to_owned(),
-            )
-            .help(format!("write `0{}`", clip(number(rest)))),
+            error(offset, 1, "a number needs a digit before the point".to_owned())
+                .help(format!("write `0{}`", clip(number(rest)))),
         );
     }
     if rest.starts_with('.') && before.ends_with(|c: char| c.is_ascii_digit()) {
         return Some(
-            error(
-                offset,
-                1,
-                "a number needs a digit behind the point".to_owned(),
-            )
-            .help("write for example `1.0`"),
+            error(offset, 1, "a number needs a digit behind the point".to_owned()).help("write for example `1.0`"),
         );
     }
     if rest.starts_with('^') || rest.starts_with("**") {
         let sign = if rest.starts_with('^') { "^" } else { "**" };
         return Some(
-            error(offset, sign.len(), format!("there is no operator `{sign}`"))
-                .help("write `pow(a, b)`, or `a * a`"),
+            error(offset, sign.len(), format!("there is no operator `{sign}`")).help("write `pow(a, b)`, or `a * a`"),
         );
     }
     if rest.starts_with('%') {
-        return Some(
-            error(offset, 1, "there is no operator `%`".to_owned()).help("write `mod(a, b)`"),
-        );
+        return Some(error(offset, 1, "there is no operator `%`".to_owned()).help("write `mod(a, b)`"));
     }
     if rest.starts_with("&&") || rest.starts_with("||") {
         let sign = &rest[..2];
         let word = if sign == "&&" { "and" } else { "or" };
-        return Some(
-            error(offset, 2, format!("there is no operator `{sign}`"))
-                .help(format!("write `{word}`")),
-        );
+        return Some(error(offset, 2, format!("there is no operator `{sign}`")).help(format!("write `{word}`")));
     }
     if rest.starts_with('!') {
         return Some(error(offset, 1, "there is no operator `!`".to_owned()).help("write `not`"));
     }
     if rest.starts_with('\'') {
-        return Some(
-            error(offset, 1, "strings stand in double quotes".to_owned()).help("write `\"...\"`"),
-        );
+        return Some(error(offset, 1, "strings stand in double quotes".to_owned()).help("write `\"...\"`"));
     }
     if rest.starts_with("///") {
         return Some(
-            error(
-                offset,
-                3,
-                "a `///` comment documents the statement behind it".to_owned(),
-            )
-            .help("write `//` here, or move it before the statement"),
+            error(offset, 3, "a `///` comment documents the statement behind it".to_owned())
+                .help("write `//` here, or move it before the statement"),
         );
     }
     let after_number = before.ends_with(|c: char| c.is_ascii_digit());
     if after_number && matches!(word, "deg" | "rad") {
         return Some(
-            error(
-                offset,
-                word.len(),
-                "the unit must touch the number".to_owned(),
-            )
-            .help(format!("write `{}{word}`", last_number(before))),
+            error(offset, word.len(), "the unit must touch the number".to_owned())
+                .help(format!("write `{}{word}`", last_number(before))),
         );
     }
-    let starts_value = rest.starts_with(|c: char| {
-        c.is_alphanumeric() || matches!(c, '_' | '"' | '(' | '[' | '`' | '-')
-    });
-    let ends_value =
-        before.ends_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | '"' | ')' | ']' | '`'));
+    let starts_value =
+        rest.starts_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | '"' | '(' | '[' | '`' | '-'));
+    let ends_value = before.ends_with(|c: char| c.is_alphanumeric() || matches!(c, '_' | '"' | ')' | ']' | '`'));
     if starts_value && ends_value && inside_brackets(before) {
         return Some(
             error(offset, word.len().max(1), "a comma is missing".to_owned())
@@ -285,14 +212,11 @@ fn words(tokens: impl Iterator<Item = String>) -> String {
     };
     for token in tokens {
         match token.as_str() {
-            "+" | "*" | "/" | "|>" | ".." | "==" | "!=" | "<" | "<=" | ">" | ">=" | "and"
-            | "or" => {
+            "+" | "*" | "/" | "|>" | ".." | "==" | "!=" | "<" | "<=" | ">" | ">=" | "and" | "or" => {
                 put("an operator");
             }
-            "_" | "`" | "\"" | "true" | "false" | "(" | "[" | "not" | "if" | "a..z" | "A..Z"
-            | "0..9" => put("a value"),
-            "-" | " " | "\t" | "\r" | "\n" | "\u{FEFF}" | "//" | "///" | "." | "e" | "E" | "\\"
-            | "BUILTIN_RULE" => {}
+            "_" | "`" | "\"" | "true" | "false" | "(" | "[" | "not" | "if" | "a..z" | "A..Z" | "0..9" => put("a value"),
+            "-" | " " | "\t" | "\r" | "\n" | "\u{FEFF}" | "//" | "///" | "." | "e" | "E" | "\\" | "BUILTIN_RULE" => {}
             other => put(&format!("`{other}`")),
         }
     }
@@ -309,40 +233,29 @@ fn words(tokens: impl Iterator<Item = String>) -> String {
 
 /// The word, number or sign at the start of a text.
 fn token(text: &str) -> &str {
-    let word = text
-        .find(|c: char| !(c.is_alphanumeric() || c == '_'))
-        .unwrap_or(text.len());
+    let word = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
     if word > 0 {
         return &text[..word];
     }
-    text.chars()
-        .next()
-        .filter(|c| !c.is_whitespace())
-        .map_or("", |c| &text[..c.len_utf8()])
+    text.chars().next().filter(|c| !c.is_whitespace()).map_or("", |c| &text[..c.len_utf8()])
 }
 
 fn number(text: &str) -> &str {
-    let end = text
-        .find(|c: char| !(c.is_alphanumeric() || c == '.'))
-        .unwrap_or(text.len());
+    let end = text.find(|c: char| !(c.is_alphanumeric() || c == '.')).unwrap_or(text.len());
     &text[..end]
 }
 
 fn last_word(text: &str) -> &str {
     let start = text
         .rfind(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))
-        .map_or(0, |found| {
-            found + text[found..].chars().next().map_or(1, char::len_utf8)
-        });
+        .map_or(0, |found| found + text[found..].chars().next().map_or(1, char::len_utf8));
     &text[start..]
 }
 
 fn last_number(text: &str) -> &str {
     let start = text
         .rfind(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '_')))
-        .map_or(0, |found| {
-            found + text[found..].chars().next().map_or(1, char::len_utf8)
-        });
+        .map_or(0, |found| found + text[found..].chars().next().map_or(1, char::len_utf8));
     &text[start..]
 }
 
@@ -407,10 +320,7 @@ fn walk(text: &str, mut visit: impl FnMut(usize, u8) -> bool) {
     let mut at = 0;
     while at < bytes.len() {
         if bytes[at..].starts_with(b"//") {
-            at += bytes[at..]
-                .iter()
-                .position(|byte| *byte == b'\n')
-                .unwrap_or(bytes.len() - at);
+            at += bytes[at..].iter().position(|byte| *byte == b'\n').unwrap_or(bytes.len() - at);
             continue;
         }
         if !visit(at, bytes[at]) {

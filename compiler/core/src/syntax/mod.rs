@@ -12,8 +12,7 @@ mod tree;
 
 pub use parse::parse;
 pub use tree::{
-    Arg, Binary, Call, Clause, Expr, ExprKind, Field, Kind, Name, Param, Statement, StatementKind,
-    Tree, Type, Unary,
+    Arg, Binary, Call, Clause, Expr, ExprKind, Field, Kind, Name, Param, Statement, StatementKind, Tree, Type, Unary,
 };
 
 /// How deep brackets, conditions and signs may nest.

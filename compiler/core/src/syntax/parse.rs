@@ -17,22 +17,15 @@ pub(super) struct Grammar;
 /// The tree of `text`, which is the text of `file`, and what is wrong with it. Broken statements are left out of the
 /// tree; each has at least one finding.
 pub fn parse(file: FileId, text: &str) -> (Tree, Vec<Finding>) {
-    let mut tree = Tree {
-        file,
-        statements: Vec::new(),
-    };
+    let mut tree = Tree { file, statements: Vec::new() };
     let mut findings = Vec::new();
     let pieces = split(text);
     for at in pieces.too_deep {
         findings.push(
-            Finding::error(
-                "nesting-limit",
-                Span::new(file, at, at + 1),
-                "brackets are nested too deeply",
-            )
-            .label(format!("level {}", NESTING_LIMIT + 1))
-            .note(format!("at most {NESTING_LIMIT} levels are read"))
-            .help("give the inner parts names with `let`"),
+            Finding::error("nesting-limit", Span::new(file, at, at + 1), "brackets are nested too deeply")
+                .label(format!("level {}", NESTING_LIMIT + 1))
+                .note(format!("at most {NESTING_LIMIT} levels are read"))
+                .help("give the inner parts names with `let`"),
         );
     }
     for piece in pieces.pieces {
@@ -73,11 +66,7 @@ mod tests {
     }
 
     fn messages(text: &str) -> Vec<String> {
-        run(text)
-            .1
-            .into_iter()
-            .map(|finding| finding.message)
-            .collect()
+        run(text).1.into_iter().map(|finding| finding.message).collect()
     }
 
     #[test]
@@ -85,19 +74,14 @@ mod tests {
         let shape = |text: &str| {
             let (tree, findings) = run(text);
             assert_eq!(findings, [], "{text}");
-            let StatementKind::Declaration { value, .. } =
-                tree.statements.into_iter().next().unwrap().kind
-            else {
+            let StatementKind::Declaration { value, .. } = tree.statements.into_iter().next().unwrap().kind else {
                 panic!("{text}")
             };
             show(&value)
         };
         assert_eq!(shape("let a = 1 + 2 * 3 - 4"), "((1+(2*3))-4)");
         assert_eq!(shape("let a = -x.y[0] * 2"), "((-x.y[0])*2)");
-        assert_eq!(
-            shape("let a = not a and b or c == d"),
-            "(((not a)and b)or(c==d))"
-        );
+        assert_eq!(shape("let a = not a and b or c == d"), "(((not a)and b)or(c==d))");
         assert_eq!(shape("let a = -1..2 + 3"), "((-1)..(2+3))");
         assert_eq!(shape("let a = b |> f(1) |> g()"), "g(f(b,1))");
         assert_eq!(shape("let a = if b then 1 else 2 + 3"), "(if b 1 (2+3))");
@@ -111,30 +95,17 @@ mod tests {
             ExprKind::Row(r) => format!("row{r:?}"),
             ExprKind::Binary(op, _, pair) => {
                 let gap =
-                    if op.sign().starts_with(|c: char| c.is_alphabetic()) && op.sign() == "and" {
-                        " "
-                    } else {
-                        ""
-                    };
+                    if op.sign().starts_with(|c: char| c.is_alphabetic()) && op.sign() == "and" { " " } else { "" };
                 format!("({}{}{gap}{})", show(&pair.0), op.sign(), show(&pair.1))
             }
             ExprKind::Unary(super::super::Unary::Minus, x) => format!("(-{})", show(x)),
             ExprKind::Unary(super::super::Unary::Not, x) => format!("(not {})", show(x)),
             ExprKind::Index(pair) => format!("{}[{}]", show(&pair.0), show(&pair.1)),
             ExprKind::Member(x, name) => format!("{}.{}", show(x), name.text),
-            ExprKind::If(three) => format!(
-                "(if {} {} {})",
-                show(&three.0),
-                show(&three.1),
-                show(&three.2)
-            ),
+            ExprKind::If(three) => format!("(if {} {} {})", show(&three.0), show(&three.1), show(&three.2)),
             ExprKind::Call(call) => {
-                let args: Vec<String> = call
-                    .piped
-                    .iter()
-                    .map(show)
-                    .chain(call.args.iter().map(|arg| show(&arg.value)))
-                    .collect();
+                let args: Vec<String> =
+                    call.piped.iter().map(show).chain(call.args.iter().map(|arg| show(&arg.value))).collect();
                 format!("{}({})", call.name.text, args.join(","))
             }
             _ => format!("{e:?}"),
@@ -143,13 +114,10 @@ mod tests {
 
     #[test]
     fn one_broken_statement_hides_no_other() {
-        let text = "lts 1\nlet a = = 3\nlet b = 2\nshape s = (1, with m\nlet c = 3\nshpae d = 4\nlet e = 5\n}\nlet f = 6\n";
+        let text =
+            "lts 1\nlet a = = 3\nlet b = 2\nshape s = (1, with m\nlet c = 3\nshpae d = 4\nlet e = 5\n}\nlet f = 6\n";
         let (tree, findings) = run(text);
-        assert_eq!(
-            tree.statements.len(),
-            5,
-            "lts, b, c, e, f: {tree:#?} {findings:#?}"
-        );
+        assert_eq!(tree.statements.len(), 5, "lts, b, c, e, f: {tree:#?} {findings:#?}");
         assert_eq!(findings.len(), 4, "{findings:#?}");
     }
 
@@ -170,17 +138,13 @@ mod tests {
             ("let a = 'x'", "strings stand in"),
         ] {
             let found = messages(text);
-            assert!(
-                found.iter().any(|message| message.contains(words)),
-                "{text}: {found:?}"
-            );
+            assert!(found.iter().any(|message| message.contains(words)), "{text}: {found:?}");
         }
     }
 
     #[test]
     fn documentation_is_kept() {
-        let (tree, findings) =
-            run("/// One.\r\n///\r\n///   Two.\nlet a = 1 // no doc\n//// no doc\nlet b = 2");
+        let (tree, findings) = run("/// One.\r\n///\r\n///   Two.\nlet a = 1 // no doc\n//// no doc\nlet b = 2");
         assert_eq!(findings, []);
         assert_eq!(tree.statements[0].doc, "One.\n\n  Two.");
         assert_eq!(tree.statements[1].doc, "");
@@ -189,26 +153,11 @@ mod tests {
     #[test]
     fn long_chains_end_in_a_finding() {
         let chain = format!("let a = {} 1", "if a then b else ".repeat(20_000));
-        assert!(
-            run(&chain)
-                .1
-                .iter()
-                .any(|finding| finding.id == "nesting-limit")
-        );
+        assert!(run(&chain).1.iter().any(|finding| finding.id == "nesting-limit"));
         let signs = format!("let a = {}1", "-".repeat(100_000));
-        assert!(
-            run(&signs)
-                .1
-                .iter()
-                .any(|finding| finding.id == "nesting-limit")
-        );
+        assert!(run(&signs).1.iter().any(|finding| finding.id == "nesting-limit"));
         let sum = format!("let a = 1{}", " + 1".repeat(10_000));
-        assert!(
-            run(&sum)
-                .1
-                .iter()
-                .any(|finding| finding.id == "nesting-limit")
-        );
+        assert!(run(&sum).1.iter().any(|finding| finding.id == "nesting-limit"));
         let (_, findings) = run(&"(".repeat(10_000_000));
         assert_eq!(findings.len(), 1);
     }

@@ -27,10 +27,7 @@ enum Before {
 
 pub(super) fn split(text: &str) -> Split {
     let bytes = text.as_bytes();
-    let mut out = Split {
-        pieces: Vec::new(),
-        too_deep: Vec::new(),
-    };
+    let mut out = Split { pieces: Vec::new(), too_deep: Vec::new() };
     let mut start = 0;
     let mut doc: Option<usize> = None;
     let mut depth = 0_usize;
@@ -54,10 +51,7 @@ pub(super) fn split(text: &str) -> Split {
             }
             b'`' => {
                 let rest = &bytes[at + 1..];
-                at += rest
-                    .iter()
-                    .position(|b| matches!(b, b'`' | b'\n'))
-                    .map_or(rest.len() + 1, |found| found + 2);
+                at += rest.iter().position(|b| matches!(b, b'`' | b'\n')).map_or(rest.len() + 1, |found| found + 2);
                 (before, doc) = (Before::Complete, None);
             }
             b'(' | b'[' | b'{' => {
@@ -75,11 +69,7 @@ pub(super) fn split(text: &str) -> Split {
                 (before, doc) = (Before::Complete, None);
             }
             b'a'..=b'z' | b'A'..=b'Z' | b'_' => {
-                let end = at
-                    + bytes[at..]
-                        .iter()
-                        .take_while(|b| b.is_ascii_alphanumeric() || **b == b'_')
-                        .count();
+                let end = at + bytes[at..].iter().take_while(|b| b.is_ascii_alphanumeric() || **b == b'_').count();
                 let word = &text[at..end];
                 if depth == 0 && before == Before::Complete && STARTERS.contains(&word) {
                     let from = doc.unwrap_or(at);
@@ -88,24 +78,14 @@ pub(super) fn split(text: &str) -> Split {
                     }
                     (start, refused) = (from, false);
                 }
-                let asks = [
-                    "then", "else", "in", "with", "and", "or", "not", "from", "as",
-                ]
-                .contains(&word);
+                let asks = ["then", "else", "in", "with", "and", "or", "not", "from", "as"].contains(&word);
                 // Behind a statement word comes a name: `let film = 3` is one broken statement, not two.
-                before = if asks || STARTERS.contains(&word) {
-                    Before::Open
-                } else {
-                    Before::Complete
-                };
+                before = if asks || STARTERS.contains(&word) { Before::Open } else { Before::Complete };
                 doc = None;
                 at = end;
             }
             b'0'..=b'9' => {
-                at += bytes[at..]
-                    .iter()
-                    .take_while(|b| b.is_ascii_alphanumeric() || **b == b'_')
-                    .count();
+                at += bytes[at..].iter().take_while(|b| b.is_ascii_alphanumeric() || **b == b'_').count();
                 (before, doc) = (Before::Complete, None);
             }
             _ => {
@@ -114,21 +94,14 @@ pub(super) fn split(text: &str) -> Split {
             }
         }
     }
-    if !refused
-        && !bytes[start.min(bytes.len())..]
-            .iter()
-            .all(u8::is_ascii_whitespace)
-    {
+    if !refused && !bytes[start.min(bytes.len())..].iter().all(u8::is_ascii_whitespace) {
         out.pieces.push(start..bytes.len());
     }
     out
 }
 
 fn line_length(bytes: &[u8]) -> usize {
-    bytes
-        .iter()
-        .position(|byte| *byte == b'\n')
-        .unwrap_or(bytes.len())
+    bytes.iter().position(|byte| *byte == b'\n').unwrap_or(bytes.len())
 }
 
 /// One past the closing quote, or the end of the line.
@@ -150,16 +123,13 @@ mod tests {
     use super::*;
 
     fn pieces(text: &str) -> Vec<&str> {
-        split(text)
-            .pieces
-            .into_iter()
-            .map(|range| text[range].trim())
-            .collect()
+        split(text).pieces.into_iter().map(|range| text[range].trim()).collect()
     }
 
     #[test]
     fn statements_are_cut_at_their_words() {
-        let text = "lts 1\n/// Doc.\nlet a = if b then 1 else 2 // end\n/// X\n/// Y\nshape s = m with n film = image(1, 2)";
+        let text =
+            "lts 1\n/// Doc.\nlet a = if b then 1 else 2 // end\n/// X\n/// Y\nshape s = m with n film = image(1, 2)";
         assert_eq!(
             pieces(text),
             [
@@ -173,14 +143,8 @@ mod tests {
 
     #[test]
     fn words_in_brackets_and_strings_start_nothing() {
-        assert_eq!(
-            pieces("let f(m: material) = \"let x\" let y = [for i in a: i]").len(),
-            2
-        );
-        assert_eq!(
-            pieces("group g { shape a = b with c } if x { let y = 1 } else { let z = 2 }").len(),
-            2
-        );
+        assert_eq!(pieces("let f(m: material) = \"let x\" let y = [for i in a: i]").len(), 2);
+        assert_eq!(pieces("group g { shape a = b with c } if x { let y = 1 } else { let z = 2 }").len(), 2);
     }
 
     #[test]

@@ -1,0 +1,156 @@
+//! The codes of findings that are not rules, each with its page. A test holds this list against the code.
+
+/// A code and what `ltsc explain` says of it; the first line is its summary.
+pub struct Code {
+    /// The stable code.
+    pub id: &'static str,
+    /// What, why, and what to do.
+    pub doc: &'static str,
+}
+
+/// A row of the table.
+const fn code(id: &'static str, doc: &'static str) -> Code {
+    Code { id, doc }
+}
+
+/// All codes that are not rules, by name.
+pub const CODES: &[Code] = &[
+    code(
+        "bad-path",
+        "A path in a scene is absolute, leaves the project, or is not written with `/`.\nA scene must mean the same in every checkout and on every system.",
+    ),
+    code(
+        "duplicate-name",
+        "A name is declared twice.\nValues have one space of names, and no name hides another; shapes and emitters have names of their own.",
+    ),
+    code(
+        "duplicate-setting",
+        "A setting stands twice in a scene.\nThere is one film, integrator and sampler; several cameras need different names.",
+    ),
+    code(
+        "index-out-of-range",
+        "A list has no element at this index.\nElements are counted from 0, and a range contains both its ends.",
+    ),
+    code(
+        "invalid-argument",
+        "An argument has the right type and no meaning, such as a width of 0.\n`ltsc explain NAME` shows the range of each argument of a constructor.",
+    ),
+    code("invalid-camera", "A camera looks nowhere, or its angle of view is not between 0 and 180 degrees."),
+    code("invalid-material", "A material's numbers are not finite or outside their range."),
+    code(
+        "invalid-mesh",
+        "A mesh cannot be made: no triangles, an index out of range, numbers beyond single precision.",
+    ),
+    code(
+        "invalid-mesh-file",
+        "A mesh file is malformed: truncated, of another format, or its numbers contradict each other.\nThe label says where in the file.",
+    ),
+    code("invalid-name", "Something has no name, or two things share one where they must not."),
+    code(
+        "invalid-operation",
+        "An operator does not apply to these values, or gives no finite number.\nAngles have units, lengths and colours have none; division by zero is an error where it stands.",
+    ),
+    code(
+        "invalid-path-class",
+        "A class of light paths is not written in Heckbert's notation.\nLetters are L, E, D, G and S, with `( ) | * +`.",
+    ),
+    code("invalid-scene", "A scene has nothing to render: no shape, no camera, or an image without pixels."),
+    code("invalid-shape", "A shape's transform cannot be inverted, or its radiance is negative or not finite."),
+    code("list-limit", "A list has more than a million elements.\nThe limit keeps a scene from running without end."),
+    code(
+        "loss-approximated",
+        "A target says something nearly, not exactly, as the scene means it.\nThe note gives the bound and how it was found. `ltsc explain --target NAME` shows the whole table.",
+    ),
+    code(
+        "loss-baked",
+        "Something was computed before it was written: a transform into vertices, or normals.\nThe image stays the same.",
+    ),
+    code(
+        "loss-dropped",
+        "A target cannot say something, and it was left out.\n`ltsc explain --target NAME` shows what a target can say.",
+    ),
+    code("mesh-file", "A mesh file was read, and something in it was changed or left out."),
+    code("misplaced-name", "A setting that has no name was given one."),
+    code("misplaced-statement", "A statement stands where it means nothing: a second scene, or a shape in a library."),
+    code("misplaced-with", "`with` stands behind something that is neither shape nor emitter."),
+    code("missing-argument", "A constructor lacks an argument that has no default."),
+    code("missing-name", "A declaration has no name."),
+    code(
+        "missing-reason",
+        "A suppression gives no reason.\nWho reads the scene later must know why the finding was wanted.",
+    ),
+    code(
+        "missing-setting",
+        "A scene lacks its camera, film, integrator or sampler.\nThey are the defaults that test cases replace.",
+    ),
+    code("missing-unit", "An angle has no unit.\nWrite `45deg` or `0.5rad`; the unit touches the number."),
+    code(
+        "missing-version",
+        "A file does not say its version of the language.\nThe newest is assumed; write `lts 1` first so that the file keeps its meaning.",
+    ),
+    code("missing-with", "A shape has no material, or an emitter no radiance."),
+    code("name-limit", "A name has more than 256 bytes."),
+    code(
+        "nesting-limit",
+        "Brackets or operators are nested too deeply.\nThe limits are 128 brackets and 256 levels of operators; give inner parts names with `let`.",
+    ),
+    code(
+        "not-supported-yet",
+        "The language has this construct, and this version of ltsc makes nothing from it.\nNothing was ignored: the scene is refused.",
+    ),
+    code("not-text", "A scene file is not text in UTF-8."),
+    code("number-range", "A number is too large for double precision."),
+    code(
+        "reflectance-over-one",
+        "A surface reflects more light than it receives.\nRenderers clamp it, reject it, or run away, each in its own way.",
+    ),
+    code(
+        "reversed-range",
+        "A range runs backwards, or an interval is empty.\nRanges contain both ends: `0..8` are nine numbers.",
+    ),
+    code("scene-name", "A scene is not named as its file."),
+    code(
+        "syntax-error",
+        "The text does not follow the grammar.\nThe statement is left out, and what stands behind it is still checked.",
+    ),
+    code("type-mismatch", "A value has another type than its place asks for."),
+    code(
+        "unknown-argument",
+        "A constructor has no such argument, or it is given without its label.\n`ltsc explain NAME` shows the arguments of a constructor.",
+    ),
+    code(
+        "unknown-constructor",
+        "There is no constructor or function of this name in this place.\n`ltsc explain` lists them all.",
+    ),
+    code("unknown-field", "A scene's header has no such field."),
+    code("unknown-member", "A value has no such member; vectors have `.x`, `.y` and `.z`."),
+    code(
+        "unknown-name",
+        "There is no value of this name.\nNames are declared before they are used; names of other files come by `use`.",
+    ),
+    code("unknown-rule", "A suppression names no rule."),
+    code(
+        "unknown-unit",
+        "A number has an unknown unit.\nAngles have `deg` and `rad`; lengths are scene units, radiance is W/(m2 sr), and both are written without unit.",
+    ),
+    code("unknown-version", "The file is written in a version of the language that this compiler does not know."),
+    code("unreadable-file", "A file is missing, too large, or cannot be read."),
+    code(
+        "unused-allow",
+        "A suppression suppresses nothing.\nRemove it, so that the finding is shown if it comes back.",
+    ),
+    code("use-cycle", "Files use each other in a circle."),
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_table_is_sorted_and_complete_sentences() {
+        assert!(CODES.is_sorted_by(|a, b| a.id < b.id));
+        for code in CODES {
+            assert!(code.doc.lines().next().is_some_and(|line| line.ends_with('.')), "{}", code.id);
+        }
+    }
+}

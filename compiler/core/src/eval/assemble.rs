@@ -1,0 +1,260 @@
+//! The evaluated file to the Scene.
+
+use std::collections::HashMap;
+use std::rc::Rc;
+
+use crate::diag::{Finding, Span, nearest};
+use crate::files::VPath;
+use crate::ir::{
+    Arena, Bsdf, Camera, Color, Documentation, Emission, Film, Handle, Integrator, Material, Mesh, Sampler, Scene,
+    Shape, Similar,
+};
+use crate::syntax::{Kind, Name};
+
+use super::module::{Header, Module};
+use super::value::{CameraValue, MaterialValue, Value};
+use super::{Interpreter, Overrides, Reported};
+
+/// The fields of a scene's header.
+const FIELDS: [&str; 5] = ["paths", "similar", "comments", "source", "license"];
+
+impl Interpreter<'_> {
+    /// The scene of a scene file; none for a library, and where settings are missing.
+    pub(super) fn assemble(&mut self, module: Module, path: &VPath, overrides: &Overrides) -> Option<Scene> {
+        let Module { header, items, item_names: _, cameras, film, integrator, sampler, broken, names: _ } = module;
+        let header = header?;
+        let documentation = self.documentation(&header);
+        let Header { name, doc: _, fields: _ } = header;
+        if name.text != path.stem() {
+            self.findings.push(
+                Finding::error("scene-name", name.span, format!("the scene `{}` lies in `{}`", name.text, path.name()))
+                    .note("a scene is named as its file: generated folders and similar scenes are found by that name")
+                    .help(format!("write `scene {}`, or rename the file", path.stem())),
+            );
+        }
+        let missing = [
+            (
+                Kind::Camera,
+                cameras.is_empty(),
+                "camera = perspective(eye: (0, -10, 2), target: (0, 0, 2), fov_x: 45deg)",
+            ),
+            (Kind::Film, film.is_none(), "film = image(512, 512)"),
+            (Kind::Integrator, integrator.is_none(), "integrator = path(max_depth: 10)"),
+            (Kind::Sampler, sampler.is_none(), "sampler = independent(samples: 32)"),
+        ];
+        for (kind, _, example) in missing.iter().filter(|(kind, missing, _)| *missing && !broken.contains(kind)) {
+            self.findings.push(
+                Finding::error("missing-setting", name.span, format!("the scene has no {}", kind.word()))
+                    .help(format!("write for example `{example}`")),
+            );
+        }
+        let (Some((film, _)), Some((integrator, _)), Some((sampler, _))) = (film, integrator, sampler) else {
+            return None;
+        };
+        let film = override_film(&film, overrides);
+        let mut built = Builder::default();
+        let cameras = cameras.into_iter().fold(Arena::default(), |mut arena, (name, camera, span)| {
+            let _handle: Handle<Camera> = arena.push(finish_camera(name, &camera, &film), span);
+            arena
+        });
+        for item in items {
+            let mesh = built.mesh(&item.mesh.mesh, item.mesh.span);
+            let (material, emission) = match (item.material, item.emission) {
+                (Some(material), _) => (built.material(&material, &item.name), None),
+                (None, Some(emission)) => {
+                    let over = emission.over.as_ref().map(|over| built.material(over, &item.name));
+                    (over.unwrap_or_else(|| built.black(item.span)), Some(Emission { radiance: emission.radiance }))
+                }
+                (None, None) => continue,
+            };
+            let shape = Shape { name: item.name, mesh, transform: item.mesh.transform, material, emission };
+            built.shapes.push(shape, item.span);
+        }
+        let Builder { meshes, materials, shapes, .. } = built;
+        Some(Scene {
+            name: name.text,
+            origin: name.span.into(),
+            documentation,
+            meshes,
+            materials,
+            shapes,
+            cameras,
+            film,
+            integrator: override_integrator(&integrator, overrides),
+            sampler: override_sampler(&sampler, overrides),
+        })
+    }
+
+    fn documentation(&mut self, header: &Header) -> Documentation {
+        let (brief, full) = split_doc(&header.doc);
+        let mut documentation = Documentation { brief, full, ..Documentation::default() };
+        for (name, value) in &header.fields {
+            // What is wrong is reported; the field stays empty.
+            let _reported: Result<(), Reported> = match name.text.as_str() {
+                "paths" => self.strings(name, value).map(|paths| documentation.paths = paths),
+                "similar" => self.similar(name, value).map(|similar| documentation.similar = similar),
+                "comments" => self.string(name, value).map(|text| documentation.comments = text),
+                "source" => self.string(name, value).map(|text| documentation.source = text),
+                "license" => self.string(name, value).map(|text| documentation.license = text),
+                other => {
+                    let similar = nearest(other, FIELDS).map(|name| format!("did you mean `{name}`?"));
+                    self.report(
+                        Finding::error("unknown-field", name.span, format!("a scene has no field `{other}`"))
+                            .note(format!("known are {}", FIELDS.join(", ")))
+                            .maybe_help(similar),
+                    )
+                }
+            };
+        }
+        for path in documentation.paths.clone() {
+            if path.is_empty() || !path.chars().all(|c| "LEDGS()|*+ ".contains(c)) {
+                self.findings.push(
+                    Finding::error(
+                        "invalid-path-class",
+                        field_span(header, "paths"),
+                        format!("`{path}` is no class of light paths"),
+                    )
+                    .note("letters are L (light), E (eye), D (diffuse), G (glossy), S (specular), with `( ) | * +`")
+                    .help("write for example `LDDE` or `LS+DE`"),
+                );
+            }
+        }
+        documentation
+    }
+
+    fn field_type<T>(&mut self, name: &Name, wants: &str, example: &str) -> Result<T, Reported> {
+        self.report(
+            Finding::error("type-mismatch", name.span, format!("`{}` takes {wants}", name.text))
+                .help(format!("write for example `{example}`")),
+        )
+    }
+
+    fn string(&mut self, name: &Name, value: &Value) -> Result<String, Reported> {
+        match value {
+            Value::String(text) => Ok(text.to_string()),
+            _ => self.field_type(name, "a string", &format!("{}: \"...\"", name.text)),
+        }
+    }
+
+    fn strings(&mut self, name: &Name, value: &Value) -> Result<Vec<String>, Reported> {
+        let items = match value {
+            Value::List(items) => items
+                .iter()
+                .map(|item| if let Value::String(text) = item { Some(text.to_string()) } else { None })
+                .collect(),
+            _ => None,
+        };
+        match items {
+            Some(items) => Ok(items),
+            None => self.field_type(name, "a list of strings", "paths: [\"LDE\", \"LDDE\"]"),
+        }
+    }
+
+    fn similar(&mut self, name: &Name, value: &Value) -> Result<Vec<Similar>, Reported> {
+        let pair = |item: &Value| match item {
+            Value::Tuple(parts) => match (parts.first(), parts.get(1), parts.len()) {
+                (Some(Value::String(scene)), Some(Value::String(reason)), 2) => {
+                    Some(Similar { scene: scene.to_string(), reason: reason.to_string() })
+                }
+                _ => None,
+            },
+            _ => None,
+        };
+        let items: Option<Vec<Similar>> = match value {
+            Value::List(items) => items.iter().map(pair).collect(),
+            _ => None,
+        };
+        match items {
+            Some(items) => Ok(items),
+            None => self.field_type(
+                name,
+                "a list of pairs (scene, reason)",
+                "similar: [(\"cbox_empty\", \"without the boxes\")]",
+            ),
+        }
+    }
+}
+
+fn field_span(header: &Header, field: &str) -> Span {
+    header.fields.iter().find(|(name, _)| name.text == field).map_or(header.name.span, |(name, _)| name.span)
+}
+
+/// The first paragraph on one line, and the rest.
+fn split_doc(doc: &str) -> (String, String) {
+    let lines: Vec<&str> = doc.lines().collect();
+    let end = lines.iter().position(|line| line.trim().is_empty()).unwrap_or(lines.len());
+    (lines[..end].join(" ").trim().to_owned(), lines[end..].join("\n").trim().to_owned())
+}
+
+/// The arenas in the making.
+#[derive(Default)]
+struct Builder {
+    meshes: Arena<Mesh>,
+    materials: Arena<Material>,
+    shapes: Arena<Shape>,
+    /// By address; the values are kept alive so that no address is used twice.
+    known_meshes: HashMap<*const Mesh, (Handle<Mesh>, Rc<Mesh>)>,
+    known_materials: HashMap<(*const MaterialValue, Option<String>), (Handle<Material>, Rc<MaterialValue>)>,
+    black: Option<Handle<Material>>,
+}
+
+impl Builder {
+    fn mesh(&mut self, mesh: &Rc<Mesh>, span: Span) -> Handle<Mesh> {
+        let meshes = &mut self.meshes;
+        let entry = self.known_meshes.entry(Rc::as_ptr(mesh));
+        entry.or_insert_with(|| (meshes.push((**mesh).clone(), span), Rc::clone(mesh))).0
+    }
+
+    /// A declared material once; one written in place takes the name of its shape.
+    fn material(&mut self, material: &Rc<MaterialValue>, shape: &str) -> Handle<Material> {
+        let own = material.name.is_none().then(|| shape.to_owned());
+        let name = material.name.clone().unwrap_or_else(|| shape.to_owned());
+        let materials = &mut self.materials;
+        let entry = self.known_materials.entry((Rc::as_ptr(material), own));
+        let make =
+            || (materials.push(Material { name, bsdf: material.bsdf.clone() }, material.span), Rc::clone(material));
+        entry.or_insert_with(make).0
+    }
+
+    /// The surface of emitters that say nothing else.
+    fn black(&mut self, span: Span) -> Handle<Material> {
+        let materials = &mut self.materials;
+        let bsdf = Bsdf::Diffuse { reflectance: Color::BLACK };
+        *self.black.get_or_insert_with(|| materials.push(Material { name: "black".to_owned(), bsdf }, span))
+    }
+}
+
+fn finish_camera(name: Option<String>, camera: &CameraValue, film: &Film) -> Camera {
+    let CameraValue { eye, target, up, fov, vertical, near, far } = *camera;
+    let fov_x = if vertical {
+        let aspect = f64::from(film.width) / f64::from(film.height);
+        (2.0 * libm::atan(libm::tan((fov / 2.0).to_radians()) * aspect)).to_degrees()
+    } else {
+        fov
+    };
+    Camera { name, eye, target, up, fov_x, near, far }
+}
+
+fn override_film(film: &Film, overrides: &Overrides) -> Film {
+    let Film { width, height, filter } = film;
+    Film {
+        width: overrides.width.unwrap_or(*width),
+        height: overrides.height.unwrap_or(*height),
+        filter: filter.clone(),
+    }
+}
+
+fn override_integrator(integrator: &Integrator, overrides: &Overrides) -> Integrator {
+    match integrator {
+        Integrator::Path { max_depth } => Integrator::Path { max_depth: overrides.max_depth.unwrap_or(*max_depth) },
+    }
+}
+
+fn override_sampler(sampler: &Sampler, overrides: &Overrides) -> Sampler {
+    match sampler {
+        Sampler::Independent { samples, seed } => Sampler::Independent {
+            samples: overrides.samples.unwrap_or(*samples),
+            seed: overrides.seed.unwrap_or(*seed),
+        },
+    }
+}

@@ -1,0 +1,511 @@
+//! Expressions and calls.
+
+use std::rc::Rc;
+
+use crate::diag::{Finding, Span, nearest};
+use crate::files::{Bytes, ReadError, VPath};
+use crate::syntax::{Call, Clause, Expr, ExprKind};
+
+use super::module::Scope;
+use super::ops;
+use super::table::{self, Args, Constructor, Family, Site};
+use super::value::{Refusal, Ty, Value};
+use super::{Interpreter, LIST_LIMIT, MESH_LIMIT, Reported};
+
+impl Interpreter<'_> {
+    pub(super) fn report<T>(&mut self, finding: Finding) -> Result<T, Reported> {
+        self.findings.push(finding);
+        Err(Reported)
+    }
+
+    /// The value of `expr`; `wanted` is what its place asks for and tells constructors of the same name apart.
+    pub(super) fn eval(&mut self, scope: &mut Scope, expr: &Expr, wanted: Option<Family>) -> Result<Value, Reported> {
+        let wrong = |wrong: ops::Wrong, span: Span| {
+            Finding::error("invalid-operation", span, wrong.message).maybe_help(wrong.help)
+        };
+        match &expr.kind {
+            ExprKind::Number(n) => Ok(Value::Number(*n)),
+            ExprKind::Unit(n, unit) => match unit.as_str() {
+                "deg" => Ok(Value::Angle(*n)),
+                "rad" => Ok(Value::Angle(n.to_degrees())),
+                _ => self.report(
+                    Finding::error("unknown-unit", expr.span, format!("there is no unit `{unit}`"))
+                        .note("angles have units, lengths are scene units, radiance is W/(m2 sr)")
+                        .help("write `deg` or `rad` for an angle, and no unit elsewhere"),
+                ),
+            },
+            ExprKind::String(text) => Ok(Value::String(Rc::from(text.as_str()))),
+            ExprKind::Bool(value) => Ok(Value::Bool(*value)),
+            ExprKind::Name(name) => self.name(scope, name, expr.span),
+            ExprKind::Row(numbers) => Ok(numbers_value(numbers)),
+            ExprKind::Tuple(parts) => {
+                let values = self.all(scope, parts)?;
+                Ok(tuple_value(values))
+            }
+            ExprKind::List(parts) => {
+                let values = self.all(scope, parts)?;
+                self.list(values, expr.span)
+            }
+            ExprKind::Comprehension(clauses, body) => {
+                let mut values = Vec::new();
+                self.comprehension(scope, clauses, body, &mut values)?;
+                self.list(values, expr.span)
+            }
+            ExprKind::Call(call) => self.call(scope, call, wanted),
+            ExprKind::Unary(operator, operand) => {
+                let value = self.eval(scope, operand, None)?;
+                ops::unary(*operator, &value).or_else(|problem| self.report(wrong(problem, expr.span)))
+            }
+            ExprKind::Binary(operator, sign, operands) => {
+                // Both sides are looked at even if the first is wrong: their errors come in one run.
+                let left = self.eval(scope, &operands.0, None);
+                let right = self.eval(scope, &operands.1, None);
+                let (left, right) = (left?, right?);
+                ops::binary(*operator, &left, &right).or_else(|problem| {
+                    let finding =
+                        wrong(problem, *sign).also(operands.0.span, left.kind()).also(operands.1.span, right.kind());
+                    self.report(finding)
+                })
+            }
+            ExprKind::Index(both) => self.index(scope, &both.0, &both.1),
+            ExprKind::Member(of, member) => {
+                let value = self.eval(scope, of, None)?;
+                let at = ["x", "y", "z"].iter().position(|name| *name == member.text);
+                match (&value, at) {
+                    (Value::Vector(parts), Some(at)) if at < parts.len() => Ok(Value::Number(parts[at])),
+                    _ => self.report(
+                        Finding::error(
+                            "unknown-member",
+                            member.span,
+                            format!("{} has no member `{}`", value.kind(), member.text),
+                        )
+                        .note("vectors have `.x`, `.y` and, from three parts on, `.z`"),
+                    ),
+                }
+            }
+            ExprKind::If(parts) => match self.eval(scope, &parts.0, None)? {
+                Value::Bool(true) => self.eval(scope, &parts.1, wanted),
+                Value::Bool(false) => self.eval(scope, &parts.2, wanted),
+                other => self.report(
+                    Finding::error(
+                        "type-mismatch",
+                        parts.0.span,
+                        format!("a condition is true or false, not {}", other.kind()),
+                    )
+                    .label(other.kind()),
+                ),
+            },
+        }
+    }
+
+    fn all(&mut self, scope: &mut Scope, parts: &[Expr]) -> Result<Vec<Value>, Reported> {
+        let values: Vec<Result<Value, Reported>> = parts.iter().map(|part| self.eval(scope, part, None)).collect();
+        values.into_iter().collect()
+    }
+
+    fn list(&mut self, values: Vec<Value>, span: Span) -> Result<Value, Reported> {
+        if values.len() <= LIST_LIMIT {
+            return Ok(Value::List(values.into()));
+        }
+        self.report(
+            Finding::error("list-limit", span, format!("a list has {} elements", values.len()))
+                .note(format!("at most {LIST_LIMIT} are allowed")),
+        )
+    }
+
+    fn comprehension(
+        &mut self,
+        scope: &mut Scope,
+        clauses: &[Clause],
+        body: &Expr,
+        out: &mut Vec<Value>,
+    ) -> Result<(), Reported> {
+        let Some((clause, rest)) = clauses.split_first() else {
+            out.push(self.eval(scope, body, None)?);
+            return Ok(());
+        };
+        let items = self.eval(scope, &clause.over, None)?;
+        let items: Rc<[Value]> = match items {
+            Value::List(items) => items,
+            Value::Range(lo, hi) => self.whole_numbers(lo, hi, clause.over.span)?,
+            other => {
+                return self.report(
+                    Finding::error(
+                        "type-mismatch",
+                        clause.over.span,
+                        format!("a loop runs over a list or a range, not {}", other.kind()),
+                    )
+                    .label(other.kind()),
+                );
+            }
+        };
+        for item in items.iter() {
+            let values: Vec<Value> = match (clause.tuple, item) {
+                (false, item) => vec![item.clone()],
+                (true, Value::Tuple(parts)) => parts.to_vec(),
+                (true, Value::Vector(parts)) => parts.iter().map(|part| Value::Number(*part)).collect(),
+                (true, other) => vec![other.clone()],
+            };
+            if values.len() != clause.names.len() {
+                let span = clause.names.first().map_or(clause.over.span, |name| name.span);
+                let message = format!("{} names stand for {}", clause.names.len(), item.kind());
+                return self.report(Finding::error("type-mismatch", span, message));
+            }
+            let mark = scope.mark();
+            for (name, value) in clause.names.iter().zip(values) {
+                self.declare_inner(scope, name, value);
+            }
+            let made = self.comprehension(scope, rest, body, out);
+            scope.release(mark);
+            made?;
+            if out.len() > LIST_LIMIT {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// The whole numbers of a range, both ends included; `a..a-1` is empty.
+    fn whole_numbers(&mut self, lo: f64, hi: f64, span: Span) -> Result<Rc<[Value]>, Reported> {
+        if lo.fract() != 0.0 || hi.fract() != 0.0 {
+            return self.report(Finding::error("type-mismatch", span, "a loop's range has whole ends"));
+        }
+        let count = hi - lo + 1.0;
+        if count < 0.0 {
+            return self.report(
+                Finding::error("reversed-range", span, format!("the range `{lo}..{hi}` runs backwards"))
+                    .help(format!("write `{hi}..{lo}`, or `reverse(...)` of a list")),
+            );
+        }
+        if count > LIST_LIMIT as f64 {
+            return self.report(
+                Finding::error("list-limit", span, format!("the range has {count} numbers"))
+                    .note(format!("at most {LIST_LIMIT} are allowed")),
+            );
+        }
+        Ok((0..count as u32).map(|step| Value::Number(lo + f64::from(step))).collect())
+    }
+
+    fn index(&mut self, scope: &mut Scope, of: &Expr, at: &Expr) -> Result<Value, Reported> {
+        let (list, index) = (self.eval(scope, of, None), self.eval(scope, at, None));
+        match (list?, index?) {
+            (Value::List(items), Value::Number(n)) => {
+                let found = (n.fract() == 0.0 && n >= 0.0).then_some(n as usize).and_then(|n| items.get(n));
+                match found {
+                    Some(item) => Ok(item.clone()),
+                    None => self.report(
+                        Finding::error("index-out-of-range", at.span, format!("the list has no element {n}"))
+                            .label(format!("elements are 0..{}", items.len() as i64 - 1)),
+                    ),
+                }
+            }
+            (Value::List(items), Value::Range(lo, hi)) => {
+                let good = lo.fract() == 0.0 && hi.fract() == 0.0 && lo >= 0.0 && hi >= lo && hi < items.len() as f64;
+                if good {
+                    return Ok(Value::List(items[lo as usize..=hi as usize].into()));
+                }
+                self.report(
+                    Finding::error("index-out-of-range", at.span, format!("the list has no elements {lo}..{hi}"))
+                        .label(format!("elements are 0..{}", items.len() as i64 - 1)),
+                )
+            }
+            (list, index) => {
+                let message = format!("{} cannot be indexed by {}", list.kind(), index.kind());
+                self.report(Finding::error("type-mismatch", of.span.to(at.span), message))
+            }
+        }
+    }
+
+    fn name(&mut self, scope: &Scope, name: &str, span: Span) -> Result<Value, Reported> {
+        match scope.get(name) {
+            Some(Value::Poison) => return Err(Reported),
+            Some(value) => return Ok(value.clone()),
+            None => {}
+        }
+        let unit = |axis: usize| {
+            let mut parts = [0.0; 3];
+            parts[axis] = 1.0;
+            Ok(Value::Vector(Rc::new(parts)))
+        };
+        match name {
+            "X" => return unit(0),
+            "Y" => return unit(1),
+            "Z" => return unit(2),
+            "PI" => return Ok(Value::Number(std::f64::consts::PI)),
+            _ => {}
+        }
+        let finding =
+            Finding::error("unknown-name", span, format!("there is no value named `{name}`")).label("unknown here");
+        if let Some(later) = scope.later(name) {
+            let line = self.sources.position(later.file, later.start).line;
+            return self.report(
+                finding
+                    .also(later, format!("declared below, line {line}"))
+                    .help("move the declaration above its first use"),
+            );
+        }
+        if table::find(name, None).is_some() {
+            return self.report(finding.help(format!("`{name}` is a constructor: write `{name}(...)`")));
+        }
+        let similar = nearest(name, scope.names().chain(["X", "Y", "Z", "PI"]));
+        self.report(finding.maybe_help(similar.map(|name| format!("did you mean `{name}`?"))))
+    }
+
+    /// Calls the constructor or function that `call` names.
+    fn call(&mut self, scope: &mut Scope, call: &Call, wanted: Option<Family>) -> Result<Value, Reported> {
+        let wanted = if call.piped.is_some() { Some(Family::Stage) } else { wanted };
+        let Some(row) = table::find(&call.name.text, wanted) else {
+            let known =
+                table::table().filter(|row| wanted.is_none_or(|family| row.family == family)).map(|row| row.name);
+            let similar = nearest(&call.name.text, known)
+                .or_else(|| nearest(&call.name.text, table::table().map(|row| row.name)));
+            let what = wanted.map_or("a constructor or function", Family::words);
+            let mut finding =
+                Finding::error("unknown-constructor", call.name.span, format!("there is no `{}`", call.name.text))
+                    .label(format!("expected {what}"));
+            if scope.get(&call.name.text).is_some() {
+                finding = finding.note(format!("`{0}` is a value and takes no arguments", call.name.text));
+            } else if let Some(family) = wanted {
+                let names: Vec<&str> = table::table().filter(|row| row.family == family).map(|row| row.name).collect();
+                finding = finding.note(format!("known are {}", names.join(", ")));
+            }
+            // The arguments are looked at all the same, for their own errors.
+            self.arguments_only(scope, call);
+            return self.report(finding.maybe_help(similar.map(|name| format!("did you mean `{name}`?"))));
+        };
+        let args = self.bind(scope, call, row)?;
+        let file = self.sources.get(call.span.file).path.clone();
+        let folder = file.rsplit_once('/').map_or("", |(folder, _)| folder).to_owned();
+        let spans = self.argument_spans(call, row);
+        let Self { files, inputs, meshes, findings, .. } = self;
+        // Files are read once; a mesh of a file is one mesh however often it is named.
+        let key = mesh_key(row, &args, &folder);
+        if let Some(value) = key.as_ref().and_then(|key| meshes.get(key)) {
+            return match value {
+                Value::Poison => Err(Reported),
+                value => Ok(value.clone()),
+            };
+        }
+        let mut read = |path: &VPath| -> Result<Bytes, ReadError> {
+            let bytes = files.read(path, MESH_LIMIT)?;
+            inputs.insert(path.clone(), bytes.clone());
+            Ok(bytes)
+        };
+        let mut site = Site { span: call.span, folder: &folder, read: &mut read, remarks: Vec::new() };
+        let built = (row.build)(&args, &mut site);
+        for (message, help) in site.remarks {
+            findings.push(Finding::warn("mesh-file", call.span, message).maybe_help(help));
+        }
+        match built {
+            Ok(value) => {
+                if let Some(key) = key {
+                    meshes.insert(key, value.clone());
+                }
+                Ok(value)
+            }
+            Err(problem) => {
+                if let Some(key) = key {
+                    meshes.insert(key, Value::Poison);
+                }
+                let at = problem.at.and_then(|name| spans.iter().find(|(param, _)| *param == name));
+                let mut finding = Finding::error(problem.id, at.map_or(call.span, |(_, span)| *span), problem.message);
+                finding.notes.extend(problem.note);
+                finding.help = problem.help;
+                finding.label = problem.label;
+                findings.push(finding);
+                Err(Reported)
+            }
+        }
+    }
+
+    fn arguments_only(&mut self, scope: &mut Scope, call: &Call) {
+        for value in call.piped.iter().chain(call.args.iter().map(|arg| &arg.value)) {
+            let _reported = self.eval(scope, value, None);
+        }
+    }
+
+    /// The places of the arguments by parameter, as [`Interpreter::bind`] matches them.
+    fn argument_spans(&self, call: &Call, row: &'static Constructor) -> Vec<(&'static str, Span)> {
+        let mut spans = Vec::new();
+        let mut next = 0;
+        if let Some(piped) = &call.piped {
+            spans.extend(row.params.first().map(|param| (param.name, piped.span)));
+            next = 1;
+        }
+        for arg in &call.args {
+            let param = match &arg.label {
+                Some(label) => row.params.iter().find(|param| param.name == label.text),
+                None => {
+                    next += 1;
+                    row.params.get(next - 1)
+                }
+            };
+            spans.extend(param.map(|param| (param.name, arg.value.span)));
+        }
+        spans
+    }
+
+    /// Matches arguments with parameters and checks their types; reports all that is wrong with a call.
+    fn bind(&mut self, scope: &mut Scope, call: &Call, row: &'static Constructor) -> Result<Args, Reported> {
+        let mut values: Vec<Option<Value>> = row.params.iter().map(|_| None).collect();
+        let mut given: Vec<Option<Span>> = vec![None; row.params.len()];
+        let mut good = true;
+        let piped = usize::from(call.piped.is_some());
+        let mut next = 0;
+        let unlabelled = call.piped.iter().map(|value| (None, value));
+        let labelled = call.args.iter().map(|arg| (arg.label.as_ref(), &arg.value));
+        let mut seen_label = false;
+        for (label, value) in unlabelled.chain(labelled) {
+            let at = match label {
+                Some(label) => {
+                    seen_label = true;
+                    row.params.iter().position(|param| param.name == label.text)
+                }
+                None => {
+                    next += 1;
+                    Some(next - 1)
+                }
+            };
+            let (Some(at), Some(param)) = (at, at.and_then(|at| row.params.get(at))) else {
+                self.unknown_argument(row, label.map(|label| (label.text.as_str(), label.span)), value.span);
+                let _reported = self.eval(scope, value, None);
+                good = false;
+                continue;
+            };
+            if label.is_none() && (seen_label || at >= row.positional + piped) {
+                let help = format!("write `{}: ...`", param.name);
+                let finding = if seen_label {
+                    Finding::error(
+                        "unknown-argument",
+                        value.span,
+                        "an argument without label stands behind one with a label",
+                    )
+                } else {
+                    Finding::error(
+                        "unknown-argument",
+                        value.span,
+                        format!("`{}` takes `{}` with its label only", row.name, param.name),
+                    )
+                };
+                self.findings.push(finding.help(help).note(format!("it is `{}`", row.signature())));
+                let _reported = self.eval(scope, value, None);
+                good = false;
+                continue;
+            }
+            if let Some(first) = given[at] {
+                self.findings.push(
+                    Finding::error("unknown-argument", value.span, format!("`{}` is given twice", param.name))
+                        .label("again")
+                        .also(first, "first here"),
+                );
+                good = false;
+                continue;
+            }
+            given[at] = Some(value.span);
+            match self.typed(scope, value, param.ty, param.name) {
+                Ok(value) => values[at] = Some(value),
+                Err(Reported) => good = false,
+            }
+        }
+        for (at, param) in row.params.iter().enumerate() {
+            if given[at].is_none() && param.default.is_none() {
+                let message = format!("`{}` needs `{}`", row.name, param.name);
+                self.findings.push(
+                    Finding::error("missing-argument", call.name.span, message)
+                        .label(format!("`{}` is missing: {}", param.name, param.doc))
+                        .help(format!("it is `{}`", row.signature())),
+                );
+                good = false;
+            }
+        }
+        if good { Ok(Args { params: row.params, values }) } else { Err(Reported) }
+    }
+
+    fn unknown_argument(&mut self, row: &Constructor, label: Option<(&str, Span)>, value: Span) {
+        let params = row.params.iter().skip(usize::from(row.family == Family::Stage));
+        let finding = match label {
+            Some((label, span)) => {
+                let similar = nearest(label, params.map(|param| param.name));
+                Finding::error("unknown-argument", span, format!("`{}` has no argument `{label}`", row.name))
+                    .label("unknown argument")
+                    .maybe_help(similar.map(|name| format!("did you mean `{name}`?")))
+            }
+            None => Finding::error("unknown-argument", value, format!("`{}` takes fewer arguments", row.name))
+                .label("one too many"),
+        };
+        self.findings.push(finding.note(format!("it is `{}`", row.signature())));
+    }
+
+    /// The value of `expr` as the type of the parameter `name`.
+    fn typed(&mut self, scope: &mut Scope, expr: &Expr, ty: Ty, name: &str) -> Result<Value, Reported> {
+        let family = match ty {
+            Ty::Mesh => Some(Family::Mesh),
+            Ty::Material => Some(Family::Material),
+            Ty::Filter => Some(Family::Filter),
+            _ => None,
+        };
+        let value = self.eval(scope, expr, family)?;
+        let kind = value.kind();
+        let refusal = match ty.accept(value) {
+            Ok(value) => return Ok(value),
+            Err(refusal) => refusal,
+        };
+        let mismatch = Finding::error("type-mismatch", expr.span, format!("`{name}` takes {}, not {kind}", ty.words()))
+            .label(kind);
+        self.report(match refusal {
+            Refusal::Silent => return Err(Reported),
+            Refusal::Type => mismatch,
+            Refusal::Unit(n) => Finding::error(
+                "missing-unit",
+                expr.span,
+                format!("`{name}` takes an angle, and this number has no unit"),
+            )
+            .label("no unit")
+            .help(format!("write `{n}deg` or `{n}rad`")),
+            Refusal::Whole(n) => Finding::error(
+                "type-mismatch",
+                expr.span,
+                format!("`{name}` takes a whole number from 0 to 4294967295, not {n}"),
+            ),
+            Refusal::Reversed(lo, hi) => {
+                let help = if lo == hi {
+                    format!("write `{lo}` for a flat extent, if this axis may be flat")
+                } else {
+                    format!("write `{hi}..{lo}`")
+                };
+                let what = if lo == hi { "is empty" } else { "runs backwards" };
+                Finding::error("reversed-range", expr.span, format!("the interval `{lo}..{hi}` {what}")).help(help)
+            }
+            Refusal::ColorFromVector => mismatch.help("write `rgb(r, g, b)` for linear values, or `srgb(\"#rrggbb\")`"),
+            Refusal::Element(at) => mismatch.note(format!("element {at} is of another type")),
+        })
+    }
+}
+
+/// What makes two calls of `file` the same mesh.
+fn mesh_key(row: &Constructor, args: &Args, folder: &str) -> Option<(VPath, Option<String>)> {
+    if row.family != Family::Mesh || row.name != "file" {
+        return None;
+    }
+    let text = |name| match args.get(name) {
+        Some(Value::String(text)) => Some(text.to_string()),
+        _ => None,
+    };
+    Some((VPath::resolve(folder, &text("path")?).ok()?, text("part")))
+}
+
+fn numbers_value(numbers: &[f64]) -> Value {
+    if (2..=4).contains(&numbers.len()) {
+        return Value::Vector(numbers.into());
+    }
+    Value::Tuple(numbers.iter().map(|number| Value::Number(*number)).collect())
+}
+
+fn tuple_value(values: Vec<Value>) -> Value {
+    let numbers: Option<Vec<f64>> =
+        values.iter().map(|value| if let Value::Number(n) = value { Some(*n) } else { None }).collect();
+    match numbers {
+        Some(numbers) if (2..=4).contains(&numbers.len()) => Value::Vector(numbers.into()),
+        _ => Value::Tuple(values.into()),
+    }
+}

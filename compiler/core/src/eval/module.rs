@@ -1,0 +1,687 @@
+//! Statements of a file, its names, and `use`.
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use crate::diag::{Finding, Span, nearest};
+use crate::files::{PathError, ReadError, VPath};
+use crate::ir::{Film, Integrator, Sampler};
+use crate::syntax::{self, Expr, ExprKind, Kind, Name, Statement, StatementKind, Tree};
+
+use super::table::Family;
+use super::value::{CameraValue, EmissionValue, MaterialValue, MeshValue, Value};
+use super::{Allow, Interpreter, Reported, TEXT_LIMIT};
+
+/// Names and their values; a declared name has a place.
+pub(super) type Names = BTreeMap<String, (Value, Span)>;
+
+/// The names that can be seen at one place of a file.
+#[derive(Default)]
+pub(super) struct Scope {
+    names: Names,
+    /// Loop variables, innermost last.
+    inner: Vec<(String, Value, Span)>,
+    /// Names that the file declares, with the place of each, to say "declared below".
+    all: BTreeMap<String, Span>,
+}
+
+impl Scope {
+    pub(super) fn get(&self, name: &str) -> Option<&Value> {
+        self.entry(name).map(|(value, _)| value)
+    }
+
+    fn entry(&self, name: &str) -> Option<(&Value, Span)> {
+        let inner = self.inner.iter().rev().find(|(known, _, _)| known == name).map(|(_, value, span)| (value, *span));
+        inner.or_else(|| self.names.get(name).map(|(value, span)| (value, *span)))
+    }
+
+    /// Where the file declares `name`, if it does so below.
+    pub(super) fn later(&self, name: &str) -> Option<Span> {
+        self.all.get(name).copied()
+    }
+
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+        self.names.keys().map(String::as_str).chain(self.inner.iter().map(|(name, _, _)| name.as_str()))
+    }
+
+    /// To be given to [`Scope::release`] when the names declared since go out of sight.
+    pub(super) fn mark(&self) -> usize {
+        self.inner.len()
+    }
+
+    pub(super) fn release(&mut self, mark: usize) {
+        self.inner.truncate(mark);
+    }
+}
+
+/// The header of a scene file.
+pub(super) struct Header {
+    pub name: Name,
+    pub doc: String,
+    pub fields: Vec<(Name, Value)>,
+}
+
+/// A shape or an emitter.
+pub(super) struct Item {
+    pub name: String,
+    pub span: Span,
+    pub mesh: MeshValue,
+    pub material: Option<Rc<MaterialValue>>,
+    pub emission: Option<Rc<EmissionValue>>,
+}
+
+/// A scene file as it was evaluated.
+#[derive(Default)]
+pub(super) struct Module {
+    pub header: Option<Header>,
+    pub items: Vec<Item>,
+    /// Names of shapes (false) and of emitters (true).
+    pub item_names: BTreeMap<(bool, String), Span>,
+    pub cameras: Vec<(Option<String>, Rc<CameraValue>, Span)>,
+    pub film: Option<(Rc<Film>, Span)>,
+    pub integrator: Option<(Rc<Integrator>, Span)>,
+    pub sampler: Option<(Rc<Sampler>, Span)>,
+    /// Settings whose value has been reported, so that they are not also called missing.
+    pub broken: Vec<Kind>,
+    pub names: Names,
+}
+
+impl Interpreter<'_> {
+    /// Evaluates the file that the user named.
+    pub(super) fn main(&mut self, path: &VPath) -> Option<Module> {
+        let tree = match self.load(path) {
+            Ok(tree) => tree,
+            Err(problem) => {
+                let origin = crate::diag::Origin::File { path: path.to_string(), place: String::new() };
+                self.findings.push(Finding { origin, ..problem });
+                return None;
+            }
+        };
+        self.loading.push(path.clone());
+        let module = self.module(&tree);
+        self.loading.pop();
+        Some(module)
+    }
+
+    /// Reads and parses a file. The finding of an error has no place yet.
+    fn load(&mut self, path: &VPath) -> Result<Tree, Finding> {
+        let place = crate::diag::Origin::Made;
+        let bytes = self.files.read(path, TEXT_LIMIT).map_err(|error| read_problem(path, &error))?;
+        self.inputs.insert(path.clone(), bytes.clone());
+        let text = std::str::from_utf8(&bytes).map_err(|error| {
+            let line = bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count() + 1;
+            Finding::error("not-text", place.clone(), format!("`{path}` is not a text in UTF-8"))
+                .note(format!("the first bad byte is at {} (line {line})", error.valid_up_to()))
+                .help("scene files are text; save it as UTF-8")
+        })?;
+        if text.contains('\0') {
+            let at = text.find('\0').unwrap_or(0);
+            return Err(Finding::error("not-text", place, format!("`{path}` contains a zero byte"))
+                .note(format!("the first one is at byte {at}"))
+                .help("scene files are text; is this a binary file?"));
+        }
+        let file = self.sources.add(path.as_str(), text);
+        let (tree, findings) = syntax::parse(file, text);
+        self.findings.extend(findings);
+        Ok(tree)
+    }
+
+    fn module(&mut self, tree: &Tree) -> Module {
+        let mut module = Module::default();
+        let mut scope = Scope::default();
+        for statement in &tree.statements {
+            if let Some(name) = declared(statement) {
+                scope.all.entry(name.text.clone()).or_insert(name.span);
+            }
+        }
+        self.version(tree);
+        let mut pending: Vec<Allow> = Vec::new();
+        for statement in &tree.statements {
+            if let StatementKind::Allow { id, reason } = &statement.kind {
+                let allow = Allow { id: id.text.clone(), span: id.span, reason: reason.text.clone(), range: None };
+                if reason.text.trim().is_empty() {
+                    self.findings.push(
+                        Finding::error("missing-reason", reason.span, format!("`allow {}` gives no reason", id.text))
+                            .help("say why the finding is right and yet wanted"),
+                    );
+                }
+                pending.push(allow);
+                continue;
+            }
+            let whole_file = matches!(statement.kind, StatementKind::Scene { .. });
+            let plain = matches!(statement.kind, StatementKind::Version(_));
+            if !plain {
+                let range = (!whole_file).then_some(statement.span);
+                self.allows.extend(pending.drain(..).map(|allow| Allow { range, ..allow }));
+            }
+            self.statement(&mut module, &mut scope, statement);
+        }
+        for allow in pending {
+            self.findings.push(
+                Finding::warn("unused-allow", allow.span, format!("`allow {}` stands before nothing", allow.id))
+                    .help("move it before the statement it is about"),
+            );
+        }
+        module.names = scope.names;
+        module
+    }
+
+    fn version(&mut self, tree: &Tree) {
+        let start = Span::new(tree.file, 0, 0);
+        let first = tree.statements.first();
+        let Some(StatementKind::Version(number)) = first.map(|statement| &statement.kind) else {
+            if tree.statements.is_empty()
+                && self.findings.iter().any(|finding| finding.origin.span().is_some_and(|span| span.file == tree.file))
+            {
+                return;
+            }
+            let newest = syntax::VERSION;
+            self.findings.push(
+                Finding::warn(
+                    "missing-version",
+                    first.map_or(start, |statement| statement.span),
+                    "the file does not say its version of the language",
+                )
+                .note(format!("the newest one, {newest}, is assumed"))
+                .help(format!("write `lts {newest}` first")),
+            );
+            return;
+        };
+        match number.kind {
+            ExprKind::Number(version) if version == f64::from(syntax::VERSION) => {}
+            _ => {
+                let newest = syntax::VERSION;
+                self.findings.push(
+                    Finding::error("unknown-version", number.span, "this version of the language is not known")
+                        .note(format!("this compiler knows version {newest}"))
+                        .help("use a newer ltsc, or write `lts 1`"),
+                );
+            }
+        }
+    }
+
+    fn statement(&mut self, module: &mut Module, scope: &mut Scope, statement: &Statement) {
+        match &statement.kind {
+            StatementKind::Version(number) => {
+                if number.span.start > 64 && module.header.is_some() {
+                    self.findings.push(Finding::error(
+                        "misplaced-statement",
+                        statement.span,
+                        "`lts` must be the first statement",
+                    ));
+                }
+            }
+            StatementKind::Scene { name, fields } => self.header(module, scope, name, fields, &statement.doc),
+            StatementKind::Use { names, path } => self.use_names(scope, names, path),
+            StatementKind::Declaration { kind, name, params, value, with } => {
+                if params.is_some() {
+                    self.not_yet(statement.span, "functions", "write the value out at each use");
+                    self.poison(scope, name.as_ref());
+                    return;
+                }
+                self.declaration(module, scope, *kind, name.as_ref(), value, with.as_ref(), statement.span);
+            }
+            StatementKind::Group { name, .. } => {
+                self.not_yet(statement.span, "groups", "write the shapes at top level");
+                self.poison(scope, Some(name));
+            }
+            StatementKind::Parameter { name, .. } => {
+                self.not_yet(statement.span, "scene parameters", "write `let` instead");
+                self.poison(scope, Some(name));
+            }
+            StatementKind::For { .. } => self.not_yet(statement.span, "loops", "write the statements out"),
+            StatementKind::If { .. } => {
+                self.not_yet(statement.span, "conditional statements", "write `if a then b else c` in a value")
+            }
+            StatementKind::Allow { .. } => {}
+        }
+    }
+
+    /// What the language has and this compiler cannot do yet.
+    fn not_yet(&mut self, span: Span, what: &str, help: &str) {
+        self.findings.push(
+            Finding::error("not-supported-yet", span, format!("{what} are not supported by this version of ltsc"))
+                .note("the statement is understood, but nothing is made from it")
+                .help(help),
+        );
+    }
+
+    fn poison(&mut self, scope: &mut Scope, name: Option<&Name>) {
+        if let Some(name) = name {
+            self.declare(scope, name, Value::Poison);
+        }
+    }
+
+    /// Declares a name of the file, once, without shadowing.
+    pub(super) fn declare(&mut self, scope: &mut Scope, name: &Name, value: Value) {
+        if self.is_free(scope, name) {
+            scope.names.insert(name.text.clone(), (value, name.span));
+        }
+    }
+
+    /// Declares a loop variable, to be released with its [`Scope::mark`].
+    pub(super) fn declare_inner(&mut self, scope: &mut Scope, name: &Name, value: Value) {
+        if self.is_free(scope, name) {
+            scope.inner.push((name.text.clone(), value, name.span));
+        }
+    }
+
+    fn is_free(&mut self, scope: &Scope, name: &Name) -> bool {
+        let Some((_, first)) = scope.entry(&name.text) else { return true };
+        self.findings.push(
+            Finding::error("duplicate-name", name.span, format!("`{}` is declared twice", name.text))
+                .label("again")
+                .also(first, "first here")
+                .note("values have one space of names, and no name hides another")
+                .help("choose another name"),
+        );
+        false
+    }
+
+    fn header(&mut self, module: &mut Module, scope: &mut Scope, name: &Name, fields: &[syntax::Field], doc: &str) {
+        if let Some(first) = &module.header {
+            self.findings.push(
+                Finding::error("misplaced-statement", name.span, "a file has one scene")
+                    .label("again")
+                    .also(first.name.span, "first here"),
+            );
+            return;
+        }
+        let mut values = Vec::new();
+        for field in fields {
+            if let Ok(value) = self.eval(scope, &field.value, None) {
+                values.push((field.name.clone(), value));
+            }
+        }
+        module.header = Some(Header { name: name.clone(), doc: doc.to_owned(), fields: values });
+    }
+
+    fn use_names(&mut self, scope: &mut Scope, names: &[(Name, Option<Name>)], path: &Name) {
+        let library = self.library(path);
+        for (name, alias) in names {
+            let local = alias.as_ref().unwrap_or(name);
+            let found = match &library {
+                None => Some(Value::Poison),
+                Some(library) => library.get(&name.text).map(|(value, _)| value.clone()),
+            };
+            if found.is_none() {
+                let known = library.iter().flat_map(|names| names.keys().map(String::as_str));
+                let similar = nearest(&name.text, known).map(|name| format!("did you mean `{name}`?"));
+                self.findings.push(
+                    Finding::error("unknown-name", name.span, format!("`{}` declares no `{}`", path.text, name.text))
+                        .label("not in that file")
+                        .maybe_help(similar),
+                );
+            }
+            scope.all.entry(local.text.clone()).or_insert(local.span);
+            self.declare(scope, local, found.unwrap_or(Value::Poison));
+        }
+    }
+
+    /// The names of the library at `path`; none if that has been reported.
+    fn library(&mut self, path: &Name) -> Option<Rc<Names>> {
+        let from = self.loading.last().map_or(String::new(), |from| from.folder().to_owned());
+        let resolved = match VPath::resolve(&from, &path.text) {
+            Ok(resolved) => resolved,
+            Err(error) => {
+                self.findings.push(path_problem(path.span, &error));
+                return None;
+            }
+        };
+        if let Some(known) = self.modules.get(&resolved) {
+            return known.clone();
+        }
+        if let Some(at) = self.loading.iter().position(|loading| *loading == resolved) {
+            let mut way: Vec<String> = self.loading[at..].iter().map(|path| format!("`{path}`")).collect();
+            way.push(format!("`{resolved}`"));
+            self.findings.push(
+                Finding::error("use-cycle", path.span, "files use each other in a circle")
+                    .label("leads back to a file that is being read")
+                    .note(way.join(" uses "))
+                    .help("move what both need to a third file"),
+            );
+            return None;
+        }
+        let tree = match self.load(&resolved) {
+            Ok(tree) => tree,
+            Err(problem) => {
+                self.findings.push(Finding { origin: path.span.into(), ..problem });
+                self.modules.insert(resolved, None);
+                return None;
+            }
+        };
+        self.loading.push(resolved.clone());
+        let module = self.module(&tree);
+        self.loading.pop();
+        if let Some(header) = &module.header {
+            self.findings.push(
+                Finding::error(
+                    "misplaced-statement",
+                    path.span,
+                    format!("`{resolved}` is a scene, and only libraries can be used"),
+                )
+                .also(header.name.span, "this makes it a scene")
+                .help("move what both need to a file without `scene`"),
+            );
+        } else {
+            self.library_only(&module);
+        }
+        let imported: Vec<String> = tree.statements.iter().flat_map(imported).collect();
+        let own = module.names.into_iter().filter(|(name, _)| !imported.contains(name)).collect();
+        let names = Rc::new(own);
+        self.modules.insert(resolved, Some(Rc::clone(&names)));
+        Some(names)
+    }
+
+    /// Libraries hold values only.
+    fn library_only(&mut self, module: &Module) {
+        let items = module.items.iter().map(|item| (item.span, "shapes and emitters"));
+        let cameras = module.cameras.iter().map(|(_, _, span)| (*span, "cameras"));
+        let film = module.film.iter().map(|(_, span)| (*span, "films"));
+        let integrator = module.integrator.iter().map(|(_, span)| (*span, "integrators"));
+        let sampler = module.sampler.iter().map(|(_, span)| (*span, "samplers"));
+        let all: Vec<(Span, &str)> = items.chain(cameras).chain(film).chain(integrator).chain(sampler).collect();
+        for (span, what) in all {
+            self.findings.push(
+                Finding::error("misplaced-statement", span, format!("a library has no {what}"))
+                    .help("move it to the scene, or give the library a `scene` header"),
+            );
+        }
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the parts of one statement")]
+    fn declaration(
+        &mut self,
+        module: &mut Module,
+        scope: &mut Scope,
+        kind: Kind,
+        name: Option<&Name>,
+        value: &Expr,
+        with: Option<&Expr>,
+        span: Span,
+    ) {
+        let named = match kind {
+            Kind::Film | Kind::Integrator | Kind::Sampler => {
+                if let Some(name) = name {
+                    self.findings.push(
+                        Finding::error("misplaced-name", name.span, format!("a {} has no name", kind.word()))
+                            .help(format!("write `{} = ...`", kind.word())),
+                    );
+                }
+                false
+            }
+            Kind::Camera => false,
+            Kind::Let
+            | Kind::Material
+            | Kind::Mesh
+            | Kind::Texture
+            | Kind::Group
+            | Kind::Shape
+            | Kind::Emitter
+            | Kind::Instance => true,
+        };
+        if named && name.is_none() {
+            let word = kind.word();
+            self.findings.push(
+                Finding::error(
+                    "missing-name",
+                    Span { end: span.start + word.len() as u32, ..span },
+                    format!("a {word} needs a name"),
+                )
+                .help(format!("write `{word} name = ...`")),
+            );
+        }
+        if let Some(with) = with
+            && !matches!(kind, Kind::Shape | Kind::Emitter)
+        {
+            self.findings.push(
+                Finding::error("misplaced-with", with.span, format!("a {} takes no `with`", kind.word()))
+                    .note("`with` gives a shape its material, and an emitter its radiance"),
+            );
+            return;
+        }
+        match kind {
+            Kind::Let | Kind::Material | Kind::Mesh => self.value_declaration(scope, kind, name, value),
+            Kind::Shape | Kind::Emitter => self.item(module, scope, kind, name, value, with, span),
+            Kind::Camera | Kind::Film | Kind::Integrator | Kind::Sampler => {
+                self.setting(module, scope, kind, name, value, span)
+            }
+            Kind::Texture => {
+                self.not_yet(span, "textures", "give the material a colour");
+                self.poison(scope, name);
+            }
+            Kind::Group => {
+                self.not_yet(span, "groups", "write the shapes at top level");
+                self.poison(scope, name);
+            }
+            Kind::Instance => self.not_yet(span, "instances", "write the shapes at top level"),
+        }
+    }
+
+    fn value_declaration(&mut self, scope: &mut Scope, kind: Kind, name: Option<&Name>, value: &Expr) {
+        let family = match kind {
+            Kind::Material => Some(Family::Material),
+            Kind::Mesh => Some(Family::Mesh),
+            _ => None,
+        };
+        let evaluated = self.eval(scope, value, family).and_then(|found| match (kind, found) {
+            (Kind::Material, Value::Material(material)) => {
+                let own = name.map(|name| name.text.clone());
+                Ok(Value::Material(Rc::new(MaterialValue { name: own, bsdf: material.bsdf.clone(), span: value.span })))
+            }
+            (Kind::Mesh, Value::Mesh(mesh)) => Ok(Value::Mesh(rename(mesh, name))),
+            (Kind::Let, found) => Ok(found),
+            (_, found) => self.wrong_kind(kind, value.span, &found),
+        });
+        if let Some(name) = name {
+            self.declare(scope, name, evaluated.unwrap_or(Value::Poison));
+        }
+    }
+
+    fn wrong_kind<T>(&mut self, kind: Kind, span: Span, found: &Value) -> Result<T, Reported> {
+        let article = if kind.word().starts_with(['a', 'e', 'i']) { "an" } else { "a" };
+        self.report(
+            Finding::error(
+                "type-mismatch",
+                span,
+                format!("`{}` declares {article} {}, not {}", kind.word(), kind.word(), found.kind()),
+            )
+            .label(found.kind()),
+        )
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the parts of one statement")]
+    fn item(
+        &mut self,
+        module: &mut Module,
+        scope: &mut Scope,
+        kind: Kind,
+        name: Option<&Name>,
+        value: &Expr,
+        with: Option<&Expr>,
+        span: Span,
+    ) {
+        let mesh = self.eval(scope, value, Some(Family::Mesh)).and_then(|found| match found {
+            Value::Mesh(mesh) => Ok(rename_made(mesh, name)),
+            found => {
+                let word = kind.word();
+                self.report(
+                    Finding::error("type-mismatch", value.span, format!("`{word}` takes a mesh, not {}", found.kind()))
+                        .label(found.kind()),
+                )
+            }
+        });
+        let Some(with) = with else {
+            let (what, example) = if kind == Kind::Shape {
+                ("a shape needs `with <material>`", "write for example `... with diffuse(0.5)`")
+            } else {
+                ("an emitter needs `with <radiance>`", "write for example `... with radiance(30)`")
+            };
+            self.findings.push(Finding::error("missing-with", span, what).label("no surface is given").help(example));
+            return;
+        };
+        let family = if kind == Kind::Shape { Family::Material } else { Family::Emission };
+        let surface = self.eval(scope, with, Some(family)).and_then(|found| match (kind, found) {
+            (Kind::Shape, Value::Material(material)) => Ok((Some(material), None)),
+            (Kind::Emitter, Value::Emission(emission)) => Ok((None, Some(emission))),
+            (Kind::Shape, Value::Emission(_)) => self.report(
+                Finding::error("type-mismatch", with.span, "a shape takes a material, not an emission")
+                    .help("write `emitter name = ...`"),
+            ),
+            (_, found) => {
+                let wants =
+                    if kind == Kind::Shape { "a shape takes a material" } else { "an emitter takes an emission" };
+                let finding = Finding::error("type-mismatch", with.span, format!("{wants}, not {}", found.kind()))
+                    .label(found.kind());
+                self.report(if kind == Kind::Emitter {
+                    finding.help("write for example `with radiance(30)`")
+                } else {
+                    finding
+                })
+            }
+        });
+        let (Ok(mesh), Ok((material, emission)), Some(name)) = (mesh, surface, name) else { return };
+        if let Some(first) = module.item_names.insert((emission.is_some(), name.text.clone()), name.span) {
+            self.findings.push(
+                Finding::error("duplicate-name", name.span, format!("two {}s are named `{}`", kind.word(), name.text))
+                    .label("again")
+                    .also(first, "first here"),
+            );
+            return;
+        }
+        module.items.push(Item { name: name.text.clone(), span, mesh, material, emission });
+    }
+
+    fn setting(
+        &mut self,
+        module: &mut Module,
+        scope: &mut Scope,
+        kind: Kind,
+        name: Option<&Name>,
+        value: &Expr,
+        span: Span,
+    ) {
+        let family = match kind {
+            Kind::Camera => Family::Camera,
+            Kind::Film => Family::Film,
+            Kind::Integrator => Family::Integrator,
+            _ => Family::Sampler,
+        };
+        let Ok(found) = self.eval(scope, value, Some(family)) else {
+            module.broken.push(kind);
+            return;
+        };
+        let again = |first: Span| {
+            Finding::error("duplicate-setting", span, format!("there are two {}s", kind.word()))
+                .label("again")
+                .also(first, "first here")
+        };
+        match (kind, found) {
+            (Kind::Camera, Value::Camera(camera)) => {
+                let own = name.map(|name| name.text.clone());
+                let unnamed = own.is_none() || module.cameras.iter().any(|(name, _, _)| name.is_none());
+                if let Some((_, _, first)) = module.cameras.iter().find(|(name, _, _)| unnamed || *name == own) {
+                    self.findings
+                        .push(again(*first).help("several cameras need different names: `camera above = ...`"));
+                    return;
+                }
+                module.cameras.push((own, camera, span));
+            }
+            (Kind::Film, Value::Film(film)) => match module.film {
+                Some((_, first)) => self.findings.push(again(first)),
+                None => module.film = Some((film, span)),
+            },
+            (Kind::Integrator, Value::Integrator(integrator)) => match module.integrator {
+                Some((_, first)) => self.findings.push(again(first)),
+                None => module.integrator = Some((integrator, span)),
+            },
+            (Kind::Sampler, Value::Sampler(sampler)) => match module.sampler {
+                Some((_, first)) => self.findings.push(again(first)),
+                None => module.sampler = Some((sampler, span)),
+            },
+            (kind, found) => {
+                module.broken.push(kind);
+                let _reported: Result<(), Reported> = self.wrong_kind(kind, value.span, &found);
+            }
+        }
+    }
+}
+
+/// A mesh takes the name of its declaration.
+fn rename(mesh: MeshValue, name: Option<&Name>) -> MeshValue {
+    let Some(name) = name else { return mesh };
+    let renamed = crate::ir::Mesh { name: name.text.clone(), ..(*mesh.mesh).clone() };
+    MeshValue { mesh: Rc::new(renamed), ..mesh }
+}
+
+/// A mesh that was made in place takes the name of its shape; a declared one keeps its own.
+fn rename_made(mesh: MeshValue, name: Option<&Name>) -> MeshValue {
+    if mesh.mesh.name.is_empty() { rename(mesh, name) } else { mesh }
+}
+
+/// The value name that a statement declares.
+fn declared(statement: &Statement) -> Option<&Name> {
+    match &statement.kind {
+        StatementKind::Declaration {
+            kind: Kind::Let | Kind::Material | Kind::Mesh | Kind::Texture | Kind::Group,
+            name,
+            ..
+        } => name.as_ref(),
+        StatementKind::Group { name, .. } | StatementKind::Parameter { name, .. } => Some(name),
+        StatementKind::Declaration { .. }
+        | StatementKind::Version(_)
+        | StatementKind::Scene { .. }
+        | StatementKind::Use { .. }
+        | StatementKind::For { .. }
+        | StatementKind::If { .. }
+        | StatementKind::Allow { .. } => None,
+    }
+}
+
+/// The names that a `use` brings.
+fn imported(statement: &Statement) -> Vec<String> {
+    match &statement.kind {
+        StatementKind::Use { names, .. } => {
+            names.iter().map(|(name, alias)| alias.as_ref().unwrap_or(name).text.clone()).collect()
+        }
+        StatementKind::Version(_)
+        | StatementKind::Scene { .. }
+        | StatementKind::Declaration { .. }
+        | StatementKind::Group { .. }
+        | StatementKind::Parameter { .. }
+        | StatementKind::For { .. }
+        | StatementKind::If { .. }
+        | StatementKind::Allow { .. } => Vec::new(),
+    }
+}
+
+/// A finding about a path as it is written.
+pub(super) fn path_problem(span: Span, error: &PathError) -> Finding {
+    let finding = Finding::error("bad-path", span, error.to_string()).label("this path");
+    match error {
+        PathError::Backslash => finding.help("write `/` between folders: that works on every system"),
+        PathError::Absolute => finding.help("write the path from the folder of this file"),
+        PathError::Outside => finding
+            .note("a scene reads only files below its project's root, so that it can be moved and shared")
+            .help("move the file into the project, or put an `ltsc.toml` into a folder further up"),
+        PathError::Empty => finding.help("name a file"),
+        PathError::Control => finding,
+    }
+}
+
+/// A finding about a file that cannot be read, without a place.
+fn read_problem(path: &VPath, error: &ReadError) -> Finding {
+    let finding =
+        Finding::error("unreadable-file", crate::diag::Origin::Made, format!("`{path}` cannot be read: {error}"));
+    finding.maybe_help(beside_help(path, error))
+}
+
+/// The name of a file in the same folder that may have been meant.
+pub(super) fn beside_help(path: &VPath, error: &ReadError) -> Option<String> {
+    match error {
+        ReadError::Missing { beside } => {
+            nearest(path.name(), beside.iter().map(String::as_str)).map(|name| format!("did you mean `{name}`?"))
+        }
+        ReadError::Outside | ReadError::TooLarge { .. } | ReadError::Other(_) => None,
+    }
+}

@@ -1,0 +1,172 @@
+//! Operators on values.
+
+use std::rc::Rc;
+
+use crate::ir::Color;
+use crate::syntax::{Binary, Unary};
+
+use super::value::Value;
+
+/// Why an operator gives no value: the message, and what to write instead.
+pub(super) struct Wrong {
+    pub message: String,
+    pub help: Option<String>,
+}
+
+fn wrong<T>(message: impl Into<String>) -> Result<T, Wrong> {
+    Err(Wrong { message: message.into(), help: None })
+}
+
+fn wrong_help<T>(message: impl Into<String>, help: impl Into<String>) -> Result<T, Wrong> {
+    Err(Wrong { message: message.into(), help: Some(help.into()) })
+}
+
+/// `value` if it is finite.
+pub(super) fn finite(value: f64, what: &str) -> Result<f64, Wrong> {
+    if value.is_finite() {
+        return Ok(value);
+    }
+    wrong(format!("the result of {what} is not a finite number"))
+}
+
+/// A sign before a value.
+pub(super) fn unary(operator: Unary, value: &Value) -> Result<Value, Wrong> {
+    match (operator, value) {
+        (Unary::Minus, Value::Number(n)) => Ok(Value::Number(-n)),
+        (Unary::Minus, Value::Angle(a)) => Ok(Value::Angle(-a)),
+        (Unary::Minus, Value::Vector(parts)) => Ok(Value::Vector(parts.iter().map(|part| 0.0 - part).collect())),
+        (Unary::Not, Value::Bool(b)) => Ok(Value::Bool(!b)),
+        (Unary::Minus, other) => wrong(format!("`-` does not apply to {}", other.kind())),
+        (Unary::Not, other) => wrong(format!("`not` does not apply to {}", other.kind())),
+    }
+}
+
+/// An operator between two values. `and` and `or` evaluate both sides: nothing has side effects.
+pub(super) fn binary(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wrong> {
+    match operator {
+        Binary::Range => range(left, right),
+        Binary::Or | Binary::And => logic(operator, left, right),
+        Binary::Equal | Binary::NotEqual => equality(operator, left, right),
+        Binary::Less | Binary::LessEqual | Binary::Greater | Binary::GreaterEqual => order(operator, left, right),
+        Binary::Add | Binary::Subtract => sum(operator, left, right),
+        Binary::Multiply => product(left, right),
+        Binary::Divide => quotient(left, right),
+    }
+}
+
+fn mismatch<T>(operator: Binary, left: &Value, right: &Value) -> Result<T, Wrong> {
+    let message = format!("`{}` does not apply to {} and {}", operator.sign(), left.kind(), right.kind());
+    match (operator, left, right) {
+        (_, Value::Angle(_), Value::Number(_)) | (_, Value::Number(_), Value::Angle(_)) => {
+            wrong_help(message, "give both sides a unit: `45deg` or `0.5rad`")
+        }
+        _ => wrong(message),
+    }
+}
+
+fn range(left: &Value, right: &Value) -> Result<Value, Wrong> {
+    match (left, right) {
+        (Value::Number(lo), Value::Number(hi)) => Ok(Value::Range(*lo, *hi)),
+        _ => mismatch(Binary::Range, left, right),
+    }
+}
+
+fn logic(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wrong> {
+    match (left, right) {
+        (Value::Bool(a), Value::Bool(b)) => Ok(Value::Bool(if operator == Binary::And { *a && *b } else { *a || *b })),
+        _ => mismatch(operator, left, right),
+    }
+}
+
+fn equality(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wrong> {
+    match same(left, right) {
+        Some(equal) => Ok(Value::Bool(equal == (operator == Binary::Equal))),
+        None => mismatch(operator, left, right),
+    }
+}
+
+/// Whether two values of the same type are equal; none for types that cannot be compared.
+fn same(left: &Value, right: &Value) -> Option<bool> {
+    match (left, right) {
+        (Value::Number(a), Value::Number(b)) | (Value::Angle(a), Value::Angle(b)) => Some(a == b),
+        (Value::Bool(a), Value::Bool(b)) => Some(a == b),
+        (Value::String(a), Value::String(b)) => Some(a == b),
+        (Value::Vector(a), Value::Vector(b)) => (a.len() == b.len()).then(|| a == b),
+        (Value::Range(a, b), Value::Range(c, d)) => Some(a == c && b == d),
+        (Value::Color(a), Value::Color(b)) => Some(a.rgb() == b.rgb()),
+        (Value::List(a), Value::List(b)) | (Value::Tuple(a), Value::Tuple(b)) => {
+            if a.len() != b.len() {
+                return Some(false);
+            }
+            a.iter().zip(b.iter()).map(|(x, y)| same(x, y)).try_fold(true, |all, one| Some(all && one?))
+        }
+        _ => None,
+    }
+}
+
+fn order(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wrong> {
+    let ((Value::Number(a), Value::Number(b)) | (Value::Angle(a), Value::Angle(b))) = (left, right) else {
+        return mismatch(operator, left, right);
+    };
+    Ok(Value::Bool(match operator {
+        Binary::Less => a < b,
+        Binary::LessEqual => a <= b,
+        Binary::Greater => a > b,
+        _ => a >= b,
+    }))
+}
+
+fn sum(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wrong> {
+    let apply = |a: f64, b: f64| finite(if operator == Binary::Add { a + b } else { a - b }, "this sum");
+    match (left, right) {
+        (Value::Number(a), Value::Number(b)) => Ok(Value::Number(apply(*a, *b)?)),
+        (Value::Angle(a), Value::Angle(b)) => Ok(Value::Angle(apply(*a, *b)?)),
+        (Value::Vector(a), Value::Vector(b)) if a.len() == b.len() => {
+            let parts: Result<Rc<[f64]>, Wrong> = a.iter().zip(b.iter()).map(|(a, b)| apply(*a, *b)).collect();
+            Ok(Value::Vector(parts?))
+        }
+        (Value::Color(a), Value::Color(b)) => {
+            let (a, b) = (a.rgb(), b.rgb());
+            Ok(Value::Color(Color::Rgb([apply(a[0], b[0])?, apply(a[1], b[1])?, apply(a[2], b[2])?])))
+        }
+        _ => mismatch(operator, left, right),
+    }
+}
+
+fn product(left: &Value, right: &Value) -> Result<Value, Wrong> {
+    let apply = |a: f64, b: f64| finite(a * b, "this product");
+    match (left, right) {
+        (Value::Number(a), Value::Number(b)) => Ok(Value::Number(apply(*a, *b)?)),
+        (Value::Number(a), Value::Angle(b)) | (Value::Angle(b), Value::Number(a)) => Ok(Value::Angle(apply(*a, *b)?)),
+        (Value::Number(a), Value::Vector(b)) | (Value::Vector(b), Value::Number(a)) => {
+            let parts: Result<Rc<[f64]>, Wrong> = b.iter().map(|part| apply(*a, *part)).collect();
+            Ok(Value::Vector(parts?))
+        }
+        (Value::Number(a), Value::Color(b)) | (Value::Color(b), Value::Number(a)) => Ok(Value::Color(match b {
+            Color::Grey(grey) => Color::Grey(apply(*a, *grey)?),
+            Color::Rgb([r, g, b]) => Color::Rgb([apply(*a, *r)?, apply(*a, *g)?, apply(*a, *b)?]),
+        })),
+        (Value::Vector(_), Value::Vector(_)) => wrong_help(
+            "`*` does not apply to two vectors",
+            "write `dot(a, b)`, `cross(a, b)`, or the product by component",
+        ),
+        _ => mismatch(Binary::Multiply, left, right),
+    }
+}
+
+fn quotient(left: &Value, right: &Value) -> Result<Value, Wrong> {
+    let apply = |a: f64, b: f64| if b == 0.0 { wrong("division by zero") } else { finite(a / b, "this division") };
+    match (left, right) {
+        (Value::Number(a), Value::Number(b)) | (Value::Angle(a), Value::Angle(b)) => Ok(Value::Number(apply(*a, *b)?)),
+        (Value::Angle(a), Value::Number(b)) => Ok(Value::Angle(apply(*a, *b)?)),
+        (Value::Vector(a), Value::Number(b)) => {
+            let parts: Result<Rc<[f64]>, Wrong> = a.iter().map(|part| apply(*part, *b)).collect();
+            Ok(Value::Vector(parts?))
+        }
+        (Value::Color(a), Value::Number(b)) => Ok(Value::Color(match a {
+            Color::Grey(grey) => Color::Grey(apply(*grey, *b)?),
+            Color::Rgb([x, y, z]) => Color::Rgb([apply(*x, *b)?, apply(*y, *b)?, apply(*z, *b)?]),
+        })),
+        _ => mismatch(Binary::Divide, left, right),
+    }
+}

@@ -1,0 +1,220 @@
+//! Mesh generators and mesh files.
+
+use std::rc::Rc;
+
+use crate::diag::Severity;
+use crate::files::VPath;
+use crate::ir::Affine;
+use crate::mesh::{self, Extent, Geometry, MeshError, SignedAxis};
+
+use super::super::module::beside_help;
+use super::super::value::{MeshValue, Ty, Value};
+use super::{Args, Constructor, Family, Parameter, Problem, Site};
+
+pub(super) const ROWS: &[Constructor] = &[
+    Constructor {
+        family: Family::Mesh,
+        name: "rectangle",
+        summary: "A rectangle along the axes.",
+        params: &[
+            Parameter { name: "x", ty: Ty::Extent, default: None, doc: "a range, or a number for the flat axis" },
+            Parameter { name: "y", ty: Ty::Extent, default: None, doc: "a range, or a number for the flat axis" },
+            Parameter { name: "z", ty: Ty::Extent, default: None, doc: "a range, or a number for the flat axis" },
+            Parameter { name: "normal", ty: Ty::Axis, default: None, doc: "`X`, `-X`, `Y`, `-Y`, `Z` or `-Z`" },
+        ],
+        positional: 0,
+        example: "mesh floor = rectangle(x: -50..50, y: -50..50, z: 0, normal: Z)",
+        build: |args, site| {
+            let normal = args.vec3("normal").and_then(SignedAxis::from_vector);
+            let normal = normal.ok_or_else(|| Problem::new("normal", "the normal is no axis"))?;
+            let extents = [extent(args, "x"), extent(args, "y"), extent(args, "z")];
+            finish(mesh::rectangle(extents, normal), site)
+        },
+    },
+    Constructor {
+        family: Family::Mesh,
+        name: "box",
+        summary: "A box along the axes, faceted, its normals outward. Give `x`, `y` and `z`, or `size`.",
+        params: &[
+            Parameter { name: "x", ty: Ty::Range, default: Some(""), doc: "from one side to the other" },
+            Parameter { name: "y", ty: Ty::Range, default: Some(""), doc: "from front to back" },
+            Parameter { name: "z", ty: Ty::Range, default: Some(""), doc: "from bottom to top" },
+            Parameter {
+                name: "size",
+                ty: Ty::NumberOrVec3,
+                default: Some(""),
+                doc: "edge length, or one for each axis",
+            },
+            Parameter {
+                name: "center",
+                ty: Ty::Vec3,
+                default: Some(""),
+                doc: "with `size`: the middle, else the origin",
+            },
+        ],
+        positional: 0,
+        example: "mesh tall = box(size: (30, 30, 60)) |> translate(z: 30)",
+        build: boxed,
+    },
+    Constructor {
+        family: Family::Mesh,
+        name: "sphere",
+        summary: "A sphere of 2 segments (rings - 1) triangles with smooth normals.",
+        params: &[
+            Parameter { name: "radius", ty: Ty::Number, default: Some("1"), doc: "> 0" },
+            Parameter { name: "center", ty: Ty::NumberOrVec3, default: Some("0"), doc: "the middle" },
+            Parameter { name: "segments", ty: Ty::Whole, default: Some("64"), doc: "around the z axis, at least 3" },
+            Parameter { name: "rings", ty: Ty::Whole, default: Some("32"), doc: "from pole to pole, at least 2" },
+        ],
+        positional: 0,
+        example: "mesh ball = sphere(segments: 200, rings: 100) |> faceted()",
+        build: |args, site| {
+            let radius = args.number("radius").unwrap_or(1.0);
+            let center = args.vec3("center").unwrap_or_default();
+            let segments = args.whole("segments").unwrap_or(64);
+            let rings = args.whole("rings").unwrap_or(32);
+            finish(mesh::sphere(radius, center, segments.into(), rings.into()), site)
+        },
+    },
+    Constructor {
+        family: Family::Mesh,
+        name: "triangles",
+        summary: "A mesh written out in numbers.",
+        params: &[
+            Parameter { name: "positions", ty: Ty::Points, default: None, doc: "vertices" },
+            Parameter {
+                name: "faces",
+                ty: Ty::Faces,
+                default: None,
+                doc: "three indices from 0 each, counter-clockwise seen from the front",
+            },
+            Parameter { name: "normals", ty: Ty::Points, default: Some(""), doc: "unit normals, else by face" },
+            Parameter { name: "uvs", ty: Ty::Points2, default: Some(""), doc: "texture coordinates" },
+        ],
+        positional: 0,
+        example: "mesh sail = triangles(positions: [(0, 0, 0), (1, 0, 0), (0, 0, 2)], faces: [(0, 1, 2)])",
+        build: triangles,
+    },
+    Constructor {
+        family: Family::Mesh,
+        name: "file",
+        summary: "A mesh file, PLY or OBJ, below the project's root.",
+        params: &[
+            Parameter { name: "path", ty: Ty::String, default: None, doc: "from the folder of this file, with `/`" },
+            Parameter { name: "part", ty: Ty::String, default: Some(""), doc: "an object or group of an OBJ file" },
+        ],
+        positional: 1,
+        example: "mesh bunny = file(\"meshes/bunny.ply\")",
+        build: file,
+    },
+];
+
+fn extent(args: &Args, name: &str) -> Extent {
+    match args.get(name) {
+        Some(Value::Range(lo, hi)) => Extent::Range(*lo, *hi),
+        other => Extent::At(if let Some(Value::Number(at)) = other { *at } else { 0.0 }),
+    }
+}
+
+fn finish(made: Result<Geometry, MeshError>, site: &Site<'_>) -> Result<Value, Problem> {
+    Ok(value(made.map_err(problem)?, site))
+}
+
+pub(super) fn value(geometry: Geometry, site: &Site<'_>) -> Value {
+    let mesh = Rc::new(geometry.into_mesh(""));
+    Value::Mesh(MeshValue { mesh, transform: Affine::IDENTITY, span: site.span })
+}
+
+/// A problem of the mesh arithmetic, at its argument.
+pub(super) fn problem(error: MeshError) -> Problem {
+    let MeshError { argument, message, help } = error;
+    let at = if argument.is_empty() { None } else { Some(argument) };
+    let found = Problem::new(at, message).id("invalid-mesh");
+    Problem { help, ..found }
+}
+
+fn boxed(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
+    let ranges = ["x", "y", "z"].map(|name| match args.get(name) {
+        Some(Value::Range(lo, hi)) => Some((*lo, *hi)),
+        _ => None,
+    });
+    let (lo, hi) = match (ranges, args.vec3("size")) {
+        ([Some(x), Some(y), Some(z)], None) => {
+            if args.get("center").is_some() {
+                return Err(Problem::new("center", "`center` goes with `size`")
+                    .help("remove it: the ranges say where the box is"));
+            }
+            ([x.0, y.0, z.0], [x.1, y.1, z.1])
+        }
+        ([None, None, None], Some(size)) => {
+            let center = args.vec3("center").unwrap_or_default();
+            if size.iter().any(|side| *side <= 0.0) {
+                return Err(Problem::new("size", "every side of a box must be greater than 0"));
+            }
+            let at = |sign: f64| [0, 1, 2].map(|axis| center[axis] + sign * size[axis] / 2.0);
+            (at(-1.0), at(1.0))
+        }
+        (_, Some(_)) => {
+            return Err(
+                Problem::new("size", "`size` and ranges are both given").help("give `x`, `y` and `z`, or `size`")
+            );
+        }
+        (_, None) => {
+            return Err(
+                Problem::new(None, "a box needs `x`, `y` and `z`, or `size`").help("write for example `box(size: 30)`")
+            );
+        }
+    };
+    finish(mesh::boxed(lo, hi), site)
+}
+
+fn triangles(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
+    let positions = points(args, "positions").unwrap_or_default();
+    let faces: Vec<[f64; 3]> = points(args, "faces").unwrap_or_default();
+    let whole = |face: &[f64; 3]| face.iter().all(|index| index.fract() == 0.0 && index.abs() < 1e15);
+    if let Some(at) = faces.iter().position(|face| !whole(face)) {
+        return Err(Problem::new("faces", format!("face {at} has an index that is no whole number")));
+    }
+    let faces: Vec<[i64; 3]> = faces.into_iter().map(|face| face.map(|index| index as i64)).collect();
+    let normals = points(args, "normals");
+    let uvs: Option<Vec<[f64; 2]>> = points(args, "uvs");
+    finish(mesh::triangles(&positions, &faces, normals.as_deref(), uvs.as_deref()), site)
+}
+
+/// The vectors of a list; their type has been checked.
+fn points<const N: usize>(args: &Args, name: &str) -> Option<Vec<[f64; N]>> {
+    let items = args.list(name)?.iter();
+    let one = |item: &Value| match item {
+        Value::Vector(parts) => <[f64; N]>::try_from(&parts[..]).ok(),
+        _ => None,
+    };
+    Some(items.filter_map(one).collect())
+}
+
+fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
+    let text = |name| match args.get(name) {
+        Some(Value::String(text)) => Some(Rc::clone(text)),
+        _ => None,
+    };
+    let written = text("path").unwrap_or_else(|| Rc::from(""));
+    let part = text("part");
+    let path = VPath::resolve(site.folder, &written).map_err(|error| {
+        let finding = super::super::module::path_problem(site.span, &error);
+        let found = Problem::new("path", finding.message).id("bad-path");
+        Problem { help: finding.help, note: finding.notes.into_iter().next(), ..found }
+    })?;
+    let bytes = (site.read)(&path).map_err(|error| {
+        let found = Problem::new("path", format!("`{path}` cannot be read: {error}")).id("unreadable-file");
+        Problem { help: beside_help(&path, &error), ..found }
+    })?;
+    let (geometry, notes) = mesh::file::read(&path.extension(), &bytes, part.as_deref()).map_err(|error| {
+        let place = if error.place.is_empty() { path.to_string() } else { format!("{path}, {}", error.place) };
+        let found = Problem::new("path", error.message).id("invalid-mesh-file").label(place);
+        Problem { help: error.help, ..found }
+    })?;
+    for note in notes.into_iter().filter(|note| note.severity >= Severity::Warn) {
+        let place = if note.place.is_empty() { String::new() } else { format!(", {}", note.place) };
+        site.remarks.push((format!("`{path}`{place}: {}", note.message), note.help));
+    }
+    Ok(value(geometry, site))
+}

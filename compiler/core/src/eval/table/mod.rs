@@ -1,0 +1,251 @@
+//! The one table of constructors and functions: names, parameters, types, defaults and documentation. It drives
+//! checking, suggestions, `ltsc explain` and the reference manual.
+
+mod functions;
+mod materials;
+mod meshes;
+mod settings;
+mod stages;
+
+use crate::diag::Span;
+use crate::files::{Bytes, ReadError, VPath};
+use crate::ir::{Color, Vec3};
+
+use super::value::{Ty, Value};
+
+/// What a constructor makes; the place where it stands asks for one of these.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Family {
+    /// How a surface scatters light.
+    Material,
+    /// What an emitter emits.
+    Emission,
+    /// A triangle mesh.
+    Mesh,
+    /// Moves or changes a mesh: `mesh |> stage(...)`.
+    Stage,
+    /// A camera.
+    Camera,
+    /// A film.
+    Film,
+    /// A reconstruction filter.
+    Filter,
+    /// A light transport algorithm.
+    Integrator,
+    /// Sampling.
+    Sampler,
+    /// A color.
+    Color,
+    /// A function of values.
+    Function,
+}
+
+impl Family {
+    /// All families in the order of the manual.
+    pub const ALL: [Self; 11] = [
+        Self::Material,
+        Self::Emission,
+        Self::Mesh,
+        Self::Stage,
+        Self::Camera,
+        Self::Film,
+        Self::Filter,
+        Self::Integrator,
+        Self::Sampler,
+        Self::Color,
+        Self::Function,
+    ];
+
+    /// The name with its article.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Material => "a material",
+            Self::Emission => "an emission",
+            Self::Mesh => "a mesh",
+            Self::Stage => "a stage",
+            Self::Camera => "a camera",
+            Self::Film => "a film",
+            Self::Filter => "a filter",
+            Self::Integrator => "an integrator",
+            Self::Sampler => "a sampler",
+            Self::Color => "a color",
+            Self::Function => "a function",
+        }
+    }
+}
+
+/// A row of the table.
+pub struct Constructor {
+    /// What it makes.
+    pub family: Family,
+    /// Its name.
+    pub name: &'static str,
+    /// One sentence.
+    pub summary: &'static str,
+    /// Its parameters in order. A stage's first one is what stands before `|>`.
+    pub params: &'static [Parameter],
+    /// How many of them may be given without label.
+    pub positional: usize,
+    /// A statement that uses it.
+    pub example: &'static str,
+    /// Makes the value; arguments have been counted and typed.
+    pub(super) build: fn(&Args, &mut Site<'_>) -> Result<Value, Problem>,
+}
+
+/// A parameter of a constructor.
+pub struct Parameter {
+    /// Its label.
+    pub name: &'static str,
+    /// Its type.
+    pub ty: Ty,
+    /// What it is without argument: none for required, empty for "not given", else the value as it would be written.
+    pub default: Option<&'static str>,
+    /// Meaning, unit and range.
+    pub doc: &'static str,
+}
+
+/// Why a constructor makes nothing.
+pub(super) struct Problem {
+    /// The argument that is wrong; none for the call.
+    pub at: Option<&'static str>,
+    pub message: String,
+    pub label: String,
+    pub note: Option<String>,
+    pub help: Option<String>,
+    /// The finding's code where it is a special one.
+    pub id: &'static str,
+}
+
+impl Problem {
+    pub(super) fn new(at: impl Into<Option<&'static str>>, message: impl Into<String>) -> Self {
+        Self {
+            at: at.into(),
+            message: message.into(),
+            label: String::new(),
+            note: None,
+            help: None,
+            id: "invalid-argument",
+        }
+    }
+
+    pub(super) fn help(mut self, text: impl Into<String>) -> Self {
+        self.help = Some(text.into());
+        self
+    }
+
+    pub(super) fn label(mut self, text: impl Into<String>) -> Self {
+        self.label = text.into();
+        self
+    }
+
+    pub(super) fn note(mut self, text: impl Into<String>) -> Self {
+        self.note = Some(text.into());
+        self
+    }
+
+    pub(super) fn id(mut self, id: &'static str) -> Self {
+        self.id = id;
+        self
+    }
+}
+
+/// The arguments of a call by parameter, each of its parameter's type.
+pub(super) struct Args {
+    pub params: &'static [Parameter],
+    pub values: Vec<Option<Value>>,
+}
+
+impl Args {
+    /// The argument of the parameter `name`.
+    pub(super) fn get(&self, name: &str) -> Option<&Value> {
+        let at = self.params.iter().position(|param| param.name == name);
+        at.and_then(|at| self.values.get(at)).and_then(Option::as_ref)
+    }
+
+    pub(super) fn number(&self, name: &str) -> Option<f64> {
+        match self.get(name) {
+            Some(Value::Number(n) | Value::Angle(n)) => Some(*n),
+            _ => None,
+        }
+    }
+
+    /// A whole number; [`Ty::Whole`] has checked that it fits.
+    pub(super) fn whole(&self, name: &str) -> Option<u32> {
+        self.number(name).map(|n| n as u32)
+    }
+
+    pub(super) fn color(&self, name: &str) -> Option<Color> {
+        match self.get(name) {
+            Some(Value::Color(color)) => Some(*color),
+            _ => None,
+        }
+    }
+
+    pub(super) fn vec3(&self, name: &str) -> Option<Vec3> {
+        match self.get(name) {
+            Some(Value::Vector(parts)) => Some([*parts.first()?, *parts.get(1)?, *parts.get(2)?]),
+            Some(Value::Number(n)) => Some([*n; 3]),
+            _ => None,
+        }
+    }
+
+    /// The numbers of a vector.
+    pub(super) fn vector(&self, name: &str) -> Option<&[f64]> {
+        match self.get(name) {
+            Some(Value::Vector(parts)) => Some(parts),
+            _ => None,
+        }
+    }
+
+    pub(super) fn list(&self, name: &str) -> Option<&[Value]> {
+        match self.get(name) {
+            Some(Value::List(items)) => Some(items),
+            _ => None,
+        }
+    }
+}
+
+/// What a constructor may see of the place where it is called.
+pub(super) struct Site<'s> {
+    /// The call.
+    pub span: Span,
+    /// The folder of the file in which the path was written.
+    pub folder: &'s str,
+    /// Reads a file of the project.
+    pub read: &'s mut dyn FnMut(&VPath) -> Result<Bytes, ReadError>,
+    /// Things to say although the value could be made.
+    pub remarks: Vec<(String, Option<String>)>,
+}
+
+/// All rows, family by family.
+pub fn table() -> impl Iterator<Item = &'static Constructor> {
+    let parts: [&'static [Constructor]; 5] =
+        [materials::ROWS, meshes::ROWS, stages::ROWS, settings::ROWS, functions::ROWS];
+    parts.into_iter().flatten()
+}
+
+/// The row called `name`; where several families have one, that of `wanted`.
+pub(super) fn find(name: &str, wanted: Option<Family>) -> Option<&'static Constructor> {
+    let mut first = None;
+    for row in table().filter(|row| row.name == name) {
+        if wanted.is_none_or(|family| family == row.family) {
+            return Some(row);
+        }
+        first = first.or(Some(row));
+    }
+    first
+}
+
+impl Constructor {
+    /// The call with its parameters, as the manual shows it.
+    pub fn signature(&self) -> String {
+        let params =
+            self.params.iter().skip(usize::from(self.family == Family::Stage)).map(|param| match param.default {
+                None => param.name.to_owned(),
+                Some("") => format!("[{}]", param.name),
+                Some(value) => format!("{} = {value}", param.name),
+            });
+        let pipe = if self.family == Family::Stage { "|> " } else { "" };
+        format!("{pipe}{}({})", self.name, params.collect::<Vec<_>>().join(", "))
+    }
+}

@@ -1,0 +1,34 @@
+//! Rule `rough-too-small`: a microfacet surface is rough enough to be sampled alike.
+#![doc = include_str!("rough_too_small.md")]
+
+use super::{Level, Report, Rule};
+use crate::ir::{Bsdf, Scene};
+
+/// The smallest portable GGX width: the profile of the `lteval` test suite (Tázlar 2020).
+const LEAST: f64 = 0.01;
+
+pub(super) const RULE: Rule = Rule {
+    id: "rough-too-small",
+    level: Level::Deny,
+    summary: "A GGX width below 0.01 is a mirror in one renderer and noise in another.",
+    doc: include_str!("rough_too_small.md"),
+    check,
+};
+
+fn check(scene: &Scene, report: &mut Report) {
+    for (handle, material) in scene.materials.iter() {
+        let alpha = match material.bsdf {
+            Bsdf::Conductor { eta: _, k: _, alpha } | Bsdf::Dielectric { interior: _, exterior: _, alpha } => alpha,
+            Bsdf::Diffuse { reflectance: _ } | Bsdf::Mirror { reflectance: _ } => continue,
+        };
+        if alpha > 0.0 && alpha < LEAST {
+            report.add(
+                scene.materials.origin(handle),
+                format!("the material `{}` has alpha {alpha}, less than {LEAST}", material.name),
+                "this material",
+                "PBRT treats a width below 0.001 as smooth, LuxCore and Cycles clamp it, and single precision loses the peak",
+                format!("write `alpha: {LEAST}`, `alpha: 0` for a smooth surface, or `mirror()`"),
+            );
+        }
+    }
+}
