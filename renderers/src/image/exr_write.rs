@@ -1,0 +1,188 @@
+//! Writes OpenEXR: linear 32-bit float RGB, ZIP blocks of 16 rows, provenance in the header.
+
+use std::io::{Cursor, Write};
+use std::path::Path;
+
+use exr::image::Encoding;
+use exr::prelude::{
+    Compression, Image as ExrImage, Layer, LayerAttributes, LineOrder, SpecificChannels, WritableImage,
+};
+
+use super::attributes::{PROLOGUE, scan};
+use super::{Image, ImageError, MAX_SIDE, Provenance};
+use crate::cache::replace_file;
+
+/// Rows in a block of ZIP compression (OpenEXR file layout).
+const ZIP_ROWS: usize = 16;
+
+/// Writes the image with its provenance. The file appears under its name only when it is whole,
+/// and equal arguments give equal bytes.
+///
+/// # Errors
+/// Gives an error if the image is empty or too large, or the folder cannot be written to.
+pub fn write_exr(path: &Path, image: &Image, provenance: &Provenance) -> Result<(), ImageError> {
+    let bytes =
+        encode(image, provenance).map_err(|message| ImageError::Unwritable { path: path.to_owned(), message })?;
+    replace_file(path, |file| file.write_all(&bytes)).map_err(|source| ImageError::Io { path: path.to_owned(), source })
+}
+
+fn encode(image: &Image, provenance: &Provenance) -> Result<Vec<u8>, String> {
+    let (width, height) = (image.width, image.height);
+    if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
+        return Err(format!("{width}x{height} pixels cannot be stored"));
+    }
+    if image.pixels.len() != width * height {
+        return Err("the number of pixels does not fit the size".to_owned());
+    }
+    let channels = SpecificChannels::rgb(|at: exr::math::Vec2<usize>| {
+        let [red, green, blue] = image.at(at.x(), at.y());
+        (red, green, blue)
+    });
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: exr::image::Blocks::ScanLines,
+        line_order: LineOrder::Increasing,
+    };
+    let layer = Layer::new((width, height), LayerAttributes::default(), encoding, channels);
+    let mut plain = Cursor::new(Vec::new());
+    ExrImage::from_layer(layer)
+        .write()
+        // Blocks end up in the order of their rows, whatever the machine.
+        .non_parallel()
+        .to_buffered(&mut plain)
+        .map_err(|error| error.to_string())?;
+    insert(&plain.into_inner(), &provenance.attributes(), height.div_ceil(ZIP_ROWS))
+}
+
+/// Puts string attributes in front of those of the encoder, which keeps them in a hash map and so
+/// would write them in another order each time, and moves the offsets of the blocks along.
+fn insert(plain: &[u8], attributes: &[(String, String)], blocks: usize) -> Result<Vec<u8>, String> {
+    let mut added = Vec::new();
+    for (name, value) in attributes {
+        // 31 bytes are the limit of files without the flag for long names.
+        if name.is_empty() || name.len() > 31 || name.contains('\0') {
+            return Err(format!("`{name}` cannot be the name of an attribute"));
+        }
+        let length = i32::try_from(value.len()).map_err(|_| format!("`{name}` is too long"))?;
+        added.extend_from_slice(name.as_bytes());
+        added.extend_from_slice(b"\0string\0");
+        added.extend_from_slice(&length.to_le_bytes());
+        added.extend_from_slice(value.as_bytes());
+    }
+    let wrong = || "the encoder wrote another layout than was asked for".to_owned();
+    let (_, table) = scan(plain).map_err(|_| wrong())?;
+    let end = table + 8 * blocks;
+    let offsets = plain.get(table..end).ok_or_else(wrong)?;
+    let mut whole = Vec::with_capacity(plain.len() + added.len());
+    whole.extend_from_slice(&plain[..PROLOGUE]);
+    whole.extend_from_slice(&added);
+    whole.extend_from_slice(&plain[PROLOGUE..table]);
+    for (index, offset) in offsets.chunks_exact(8).enumerate() {
+        let offset = u64::from_le_bytes(offset.try_into().map_err(|_| wrong())?);
+        if index == 0 && offset != end as u64 {
+            return Err(wrong());
+        }
+        whole.extend_from_slice(&(offset + added.len() as u64).to_le_bytes());
+    }
+    whole.extend_from_slice(&plain[end..]);
+    Ok(whole)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{decode, read};
+    use super::*;
+
+    fn provenance() -> Provenance {
+        Provenance {
+            scene: "cbox".to_owned(),
+            scene_hash: "00ff".to_owned(),
+            version: "0.1.0".to_owned(),
+            renderer: "mitsuba-3".to_owned(),
+            renderer_version: "3.9.1".to_owned(),
+            samples: 64,
+            seed: 7,
+            seconds: 1.5,
+            extra: vec![("note".to_owned(), "größer als 8 Bit".to_owned())],
+        }
+    }
+
+    /// An image of several blocks, with values that a half float could not hold.
+    fn picture() -> Image {
+        let pixels = (0..5 * 37).map(|i| [i as f32 * 1.000_1, -1e-30, 3.0e38]).collect();
+        Image { width: 5, height: 37, pixels }
+    }
+
+    #[test]
+    fn what_is_written_is_read_again() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("image.exr");
+        write_exr(&path, &picture(), &provenance()).expect("write");
+        let (image, attributes) = read(&path).expect("read");
+        assert_eq!(image, picture());
+        assert_eq!(Provenance::from_attributes(&attributes), provenance());
+        assert_eq!(attributes[0].0, "ltsc:note");
+        // The decoder checks every attribute and offset in its strict mode.
+        exr::meta::MetaData::read_from_file(&path, true).expect("a valid header");
+    }
+
+    #[test]
+    fn equal_images_are_equal_files() {
+        let encode = || encode(&picture(), &provenance()).expect("encode");
+        let first = encode();
+        assert!((0..8).all(|_| encode() == first));
+    }
+
+    #[test]
+    fn values_that_are_not_finite_survive() {
+        let mut image = picture();
+        image.pixels[3] = [f32::NAN, f32::INFINITY, 0.0];
+        let bytes = encode(&image, &Provenance::default()).expect("encode");
+        let (back, _) = decode(&bytes).map_err(|fault| fault.message).expect("decode");
+        assert_eq!(back.non_finite(), 1);
+        assert!(back.pixels[3][0].is_nan());
+    }
+
+    #[test]
+    fn impossible_images_and_names_are_refused() {
+        let empty = Image { width: 0, height: 3, pixels: Vec::new() };
+        assert!(encode(&empty, &Provenance::default()).is_err());
+        let short = Image { width: 2, height: 3, pixels: vec![[0.0; 3]] };
+        assert!(encode(&short, &Provenance::default()).is_err());
+        let extra = vec![("x".repeat(40), "1".to_owned())];
+        let long = Provenance { extra, ..Provenance::default() };
+        assert!(encode(&picture(), &long).is_err());
+    }
+
+    #[test]
+    fn no_cut_and_no_flipped_byte_makes_the_reader_panic() {
+        let whole = encode(&picture(), &provenance()).expect("encode");
+        for length in 0..whole.len() {
+            assert!(decode(&whole[..length]).is_err(), "{length} of {} bytes", whole.len());
+        }
+        for at in 0..whole.len() {
+            for flip in [0x01, 0x80, 0xff] {
+                let mut bytes = whole.clone();
+                bytes[at] ^= flip;
+                // Some changes only change a value.
+                let _ = decode(&bytes);
+            }
+        }
+    }
+
+    #[test]
+    fn a_huge_claim_is_refused_before_memory_is_taken() {
+        let whole = encode(&picture(), &Provenance::default()).expect("encode");
+        let name = b"dataWindow\0box2i\0";
+        let at = whole.windows(name.len()).position(|window| window == name).expect("the window");
+        let corner = at + name.len() + 4 + 8;
+        for (width, height) in [(60_000, 37), (i32::MAX - 1, 37), (5, 60_000), (60_000, 60_000)] {
+            let mut bytes = whole.clone();
+            bytes[corner..corner + 4].copy_from_slice(&i32::to_le_bytes(width - 1));
+            bytes[corner + 4..corner + 8].copy_from_slice(&i32::to_le_bytes(height - 1));
+            let fault = decode(&bytes).err().map(|fault| fault.message);
+            let message = fault.expect("refused");
+            assert!(message.contains("claims") || message.contains("window"), "{message}");
+        }
+    }
+}

@@ -1,0 +1,177 @@
+//! Images of linear radiance: the type, reading by content, and reduction.
+
+mod attributes;
+mod error;
+mod exr_read;
+mod exr_write;
+mod pfm;
+mod provenance;
+
+use std::fs;
+use std::path::Path;
+
+pub use error::ImageError;
+pub use exr_write::write_exr;
+pub use pfm::write_pfm;
+pub use provenance::Provenance;
+
+/// The largest width and height that is read. Larger claims are taken for damage.
+pub const MAX_SIDE: usize = 65_536;
+
+/// String attributes of an image file, in the order of the file.
+pub type Attributes = Vec<(String, String)>;
+
+/// A picture of linear radiance in RGB (sRGB primaries), row 0 on top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    /// `width * height` pixels, row by row, in W/(m^2 sr) where the scene uses such units. Values
+    /// that are not finite or negative are kept as they were rendered.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+impl Image {
+    /// An image of one colour.
+    #[must_use]
+    pub fn filled(width: usize, height: usize, colour: [f32; 3]) -> Self {
+        Self { width, height, pixels: vec![colour; width * height] }
+    }
+
+    /// The pixel in column `x` and row `y`, both of which must lie inside.
+    #[must_use]
+    pub fn at(&self, x: usize, y: usize) -> [f32; 3] {
+        self.pixels[y * self.width + x]
+    }
+
+    /// How many pixels have a component that is infinite or not a number.
+    #[must_use]
+    pub fn non_finite(&self) -> usize {
+        self.pixels.iter().filter(|pixel| !finite(pixel)).count()
+    }
+}
+
+/// Whether all three components are finite.
+#[must_use]
+pub fn finite(pixel: &[f32; 3]) -> bool {
+    pixel.iter().all(|value| value.is_finite())
+}
+
+/// Reads an OpenEXR or PFM file, told apart by their first bytes, with its string attributes (none
+/// in PFM).
+///
+/// # Errors
+/// Gives an error if the file cannot be read, is neither format, is damaged, or has no colour.
+pub fn read(path: &Path) -> Result<(Image, Attributes), ImageError> {
+    let fault = |source| ImageError::Io { path: path.to_owned(), source };
+    let metadata = fs::metadata(path).map_err(fault)?;
+    // A device or a pipe has no end that could be trusted.
+    if !metadata.is_file() {
+        return Err(ImageError::NotAFile { path: path.to_owned() });
+    }
+    let bytes = fs::read(path).map_err(fault)?;
+    decode(&bytes).map_err(|fault| fault.at(path))
+}
+
+/// Averages blocks of pixels until the image is `width` by `height`; both sides must be divided by
+/// one and the same whole number. Values that are not finite spread to their whole block.
+///
+/// # Errors
+/// Gives an error if the sizes are not related so.
+pub fn reduce(image: &Image, width: usize, height: usize) -> Result<Image, ImageError> {
+    let fault = || ImageError::Reduction { from: (image.width, image.height), to: (width, height) };
+    if width == 0 || height == 0 || !image.width.is_multiple_of(width) {
+        return Err(fault());
+    }
+    let factor = image.width / width;
+    if factor == 0 || Some(image.height) != height.checked_mul(factor) {
+        return Err(fault());
+    }
+    let share = 1.0 / (factor * factor) as f64;
+    let mut pixels = Vec::with_capacity(width * height);
+    for y in 0..height {
+        for x in 0..width {
+            let mut sum = [0.0_f64; 3];
+            for row in y * factor..(y + 1) * factor {
+                let start = row * image.width + x * factor;
+                for pixel in &image.pixels[start..start + factor] {
+                    for (total, value) in sum.iter_mut().zip(pixel) {
+                        *total += f64::from(*value);
+                    }
+                }
+            }
+            pixels.push(sum.map(|total| (total * share) as f32));
+        }
+    }
+    Ok(Image { width, height, pixels })
+}
+
+/// What is wrong with the bytes of a file: message and hint.
+pub(crate) struct Fault {
+    message: String,
+    hint: &'static str,
+}
+
+impl Fault {
+    fn new(message: impl Into<String>, hint: &'static str) -> Self {
+        Self { message: message.into(), hint }
+    }
+
+    fn at(self, path: &Path) -> ImageError {
+        ImageError::Damaged { path: path.to_owned(), message: self.message, hint: self.hint }
+    }
+}
+
+fn decode(bytes: &[u8]) -> Result<(Image, Attributes), Fault> {
+    if bytes.starts_with(&attributes::MAGIC) {
+        exr_read::decode(bytes)
+    } else if bytes.starts_with(b"PF") || bytes.starts_with(b"Pf") {
+        pfm::decode(bytes).map(|image| (image, Attributes::new()))
+    } else if bytes.is_empty() {
+        Err(Fault::new("the file is empty", "was the program that wrote it interrupted?"))
+    } else {
+        Err(Fault::new(
+            "this is neither an OpenEXR nor a PFM file",
+            "only linear images can be read; PNG, JPEG and the like have lost the radiance",
+        ))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reduction_averages_square_blocks() {
+        let mut image = Image::filled(4, 2, [1.0, 0.0, 2.0]);
+        image.pixels[0] = [5.0, 4.0, 2.0];
+        let small = reduce(&image, 2, 1).expect("4x2 to 2x1");
+        assert_eq!(small.pixels, [[2.0, 1.0, 2.0], [1.0, 0.0, 2.0]]);
+        assert_eq!(reduce(&image, 4, 2).expect("the same size"), image);
+    }
+
+    #[test]
+    fn reduction_refuses_what_is_not_a_whole_factor() {
+        let image = Image::filled(4, 4, [1.0; 3]);
+        for (width, height) in [(3, 3), (2, 4), (4, 2), (8, 8), (0, 0), (2, 0)] {
+            let error = reduce(&image, width, height).expect_err("no whole factor");
+            assert!(error.hint().contains("whole number"), "{error}");
+        }
+    }
+
+    #[test]
+    fn strange_files_are_refused_with_a_hint() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("image");
+        for bytes in [&b""[..], b"\x89PNG\r\n\x1a\n", b"P", b"\x76\x2f\x31"] {
+            fs::write(&path, bytes).expect("write");
+            let error = read(&path).expect_err("not an image");
+            assert!(!error.hint().is_empty());
+        }
+        assert!(matches!(read(folder.path()), Err(ImageError::NotAFile { .. })));
+        let missing = read(&folder.path().join("missing")).expect_err("missing");
+        assert!(missing.to_string().contains("missing"), "{missing}");
+    }
+}

@@ -1,0 +1,203 @@
+//! Runs renderers: the table of drivers, and a request that becomes an image.
+//!
+//! A driver takes an emitted folder as it is and sets only seed, samples and threads.
+
+mod error;
+mod find;
+mod luxcore;
+mod mitsuba3;
+pub(crate) mod process;
+mod render;
+pub(crate) mod script;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use crate::cache::CachePaths;
+use crate::env::Env;
+use crate::image::Image;
+
+pub use error::{Failure, RenderError};
+pub(crate) use find::on_path as find_on_path;
+pub use find::{Found, Search, Source, find};
+pub use render::render;
+
+/// All drivers, in the order in which they are listed.
+pub const DRIVERS: &[&Driver] = &[&mitsuba3::ROW, &luxcore::ROW];
+
+/// The driver of this name or alias.
+#[must_use]
+pub fn driver(name: &str) -> Option<&'static Driver> {
+    DRIVERS.iter().copied().find(|driver| driver.name == name || driver.aliases.contains(&name))
+}
+
+/// What there is to know about one renderer.
+pub struct Driver {
+    /// Its name on the command line and in results.
+    pub name: &'static str,
+    /// Other names for it.
+    pub aliases: &'static [&'static str],
+    /// What it is, in a few words.
+    pub summary: &'static str,
+    /// The target whose files it reads.
+    pub target: &'static str,
+    /// The file in an emitted folder from which it starts.
+    pub main_file: &'static str,
+    /// The version that is installed and that everything was measured with.
+    pub version: &'static str,
+    /// What pip is to install.
+    pub requirements: &'static [&'static str],
+    /// The oldest and the newest minor version of Python 3 that the package index has wheels for.
+    pub pythons: (u32, u32),
+    /// The Python module.
+    pub module: &'static str,
+    /// Programs with this driver's own command line.
+    pub programs: &'static [&'static str],
+    /// The smallest scene that shows whether an installation works; see [`TEST_SCENE`].
+    pub test_scene: &'static [(&'static str, &'static str)],
+    /// Texts of the log that tell a known cause, each with what to do about it.
+    pub hints: &'static [(&'static str, &'static str)],
+    /// Asks an executable for its version; the reason if it has none.
+    pub(crate) probe: fn(&Path) -> Result<String, String>,
+    /// Turns a request into a command.
+    pub(crate) plan: fn(&Job<'_>) -> Result<Plan, RenderError>,
+}
+
+/// Width, height and samples of all test scenes, and what they show: a constant environment of
+/// radiance 1 behind two squares. The upper left quarter is an emitter of radiance (1, 2, 4). The
+/// lower right quarter is a diffuse surface of reflectance (0.5, 0.25, 0.125), and has just that
+/// radiance, since it sees only the environment. The other two quarters are the environment.
+pub(crate) const TEST_SCENE: (usize, usize, u32) = (8, 8, 64);
+
+/// One image to render.
+#[derive(Clone)]
+pub struct RenderRequest {
+    /// With which renderer.
+    pub driver: &'static Driver,
+    /// The executable, if it is known; otherwise [`find`] looks for one.
+    pub executable: Option<PathBuf>,
+    /// The environment in which to look for one.
+    pub env: Env,
+    /// The cache in which to look for one.
+    pub cache: Option<CachePaths>,
+    /// The emitted folder; nothing is written there.
+    pub folder: PathBuf,
+    /// The file in it to start from, such as [`Driver::main_file`].
+    pub main_file: String,
+    /// Width that the scene asks for, in pixels; another image is refused.
+    pub width: usize,
+    /// Height that the scene asks for, in pixels; another image is refused.
+    pub height: usize,
+    /// Samples per pixel, at least 1.
+    pub samples: u32,
+    /// Seed. Count from 0: different seeds give images without common random numbers, and those so
+    /// large that this could not be kept are refused (Mitsuba has 16384 seeds at 128 by 128 pixels,
+    /// 1024 at 512 by 512). Equal seeds give the same image where the renderer can do that.
+    pub seed: u32,
+    /// Threads; all processors if nothing is said.
+    pub threads: Option<usize>,
+    /// The longest time that it may take, start and loading included.
+    pub timeout: Option<Duration>,
+    /// Where the whole output of the renderer goes; begun anew, its folder must exist.
+    pub log: PathBuf,
+    /// The renderer's variant, where it has several; its plainest if nothing is said.
+    pub variant: Option<String>,
+    /// Becomes true when the caller no longer wants the image.
+    pub cancel: Option<Arc<AtomicBool>>,
+}
+
+impl RenderRequest {
+    /// A request with the driver's main file and nothing optional, logged into `log`.
+    #[must_use]
+    pub fn new(driver: &'static Driver, folder: PathBuf, size: (usize, usize), log: PathBuf) -> Self {
+        Self {
+            driver,
+            executable: None,
+            env: Env::default(),
+            cache: None,
+            folder,
+            main_file: driver.main_file.to_owned(),
+            width: size.0,
+            height: size.1,
+            samples: 16,
+            seed: 0,
+            threads: None,
+            timeout: None,
+            log,
+            variant: None,
+            cancel: None,
+        }
+    }
+}
+
+/// News from a running renderer.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Progress {
+    /// It has started.
+    Started {
+        /// Its version, as it says.
+        version: String,
+    },
+    /// The scene is loaded.
+    Loaded {
+        /// How long that took.
+        seconds: f64,
+    },
+    /// Samples were taken.
+    Samples {
+        /// Samples per pixel up to now.
+        done: u64,
+        /// Samples per pixel at the end.
+        total: u64,
+        /// Rendering time up to now.
+        seconds: f64,
+    },
+}
+
+/// A rendered image.
+#[derive(Clone, Debug)]
+pub struct Rendered {
+    /// Linear radiance.
+    pub image: Image,
+    /// Rendering time, without start and loading where the renderer tells them apart.
+    pub seconds: f64,
+    /// Time from start to end.
+    pub wall_seconds: f64,
+    /// The version, as the renderer says.
+    pub renderer_version: String,
+    /// Samples per pixel that were really taken; some samplers round up.
+    pub samples_done: u64,
+    /// The executable that was used.
+    pub executable: PathBuf,
+    /// The whole output of the renderer.
+    pub log_path: PathBuf,
+}
+
+/// A request whose executable and folders are known.
+pub(crate) struct Job<'a> {
+    pub request: &'a RenderRequest,
+    pub executable: &'a Path,
+    /// The emitted folder, absolute.
+    pub folder: &'a Path,
+    /// The main file, absolute.
+    pub main: &'a Path,
+    /// An empty folder that is deleted afterwards.
+    pub scratch: &'a Path,
+}
+
+/// What to run, and where the image will be.
+pub(crate) struct Plan {
+    pub command: Command,
+    pub delivery: Delivery,
+}
+
+/// How a renderer hands its image over.
+pub(crate) enum Delivery {
+    /// By events that name image files in the scratch folder, to be averaged by their samples.
+    Events,
+    /// As one image file, whose samples are those of the request.
+    File(PathBuf),
+}
