@@ -1,0 +1,278 @@
+//! The command line: what people type, with examples.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 done, or the answer is yes; 1 the answer is no (findings at deny, stale files, a difference beyond the
+tolerance); 2 wrong usage; 3 input unreadable or malformed; 4 a renderer or the environment missing or failed; 70 a fault
+of ltsc itself.";
+
+/// Compiler and translator for light-transport test scenes.
+///
+/// Scenes are written once, in `.lts`, checked against what renderers agree on, and generated for Mitsuba, PBRT, LuxCore
+/// and glTF; real renderers say where their images agree.
+#[derive(Parser, Debug)]
+#[command(name = "ltsc", version, after_help = EXIT_CODES, max_term_width = 110, arg_required_else_help = true)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+    /// Colours: by default on a terminal, unless NO_COLOR is set.
+    #[arg(long, global = true, value_enum, default_value_t = Choice::Auto, value_name = "WHEN")]
+    pub color: Choice,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Choice {
+    Auto,
+    Always,
+    Never,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    /// With excerpts of the scene.
+    Human,
+    /// One line a finding.
+    Short,
+    /// One JSON document.
+    Json,
+}
+
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Generate every scene for every target.
+    ///
+    /// Without PATH the project that the current folder belongs to: the nearest folder upward with an `ltsc.toml`. Files
+    /// that are already as they should be are not touched.
+    #[command(
+        after_help = "Examples:\n  ltsc build\n  ltsc build scenes-src\n  ltsc build scenes-src/ring.lts --target pbrt\n  ltsc build --check"
+    )]
+    Build(Build),
+    /// Check scenes: errors, and where they leave what renderers agree on.
+    #[command(
+        after_help = "Examples:\n  ltsc lint\n  ltsc lint scenes-src/ring.lts --format short\n  ltsc lint --deny undocumented-scene\n  ltsc explain smooth-emitter"
+    )]
+    Lint(Lint),
+    /// Write a scene for one target, as one self-contained folder.
+    ///
+    /// Without SCENE every scene of the project, as `build` does, for this target only.
+    #[command(
+        after_help = "Examples:\n  ltsc emit scenes-src/ring.lts --target pbrt\n  ltsc emit ring.lts --target gltf -o /tmp/ring --width 128 --height 128\n  ltsc emit --target mitsuba-3"
+    )]
+    Emit(Emit),
+    /// Render a scene with a real renderer to a linear 32-bit EXR.
+    #[command(
+        after_help = "Examples:\n  ltsc renderers install mitsuba-3\n  ltsc render scenes-src/cbox_classic.lts --renderer mitsuba-3 --samples 512 -o a.exr\n  ltsc render cbox_classic.lts --renderer luxcore --width 128 --height 128 -o b.exr"
+    )]
+    Render(Render),
+    /// Compare two images; A is the reference.
+    #[command(
+        after_help = "Examples:\n  ltsc diff a.exr b.exr\n  ltsc diff reference.exr b.exr --reduce -o difference\n  ltsc diff a.exr b.exr --tolerance 0.02 --format json"
+    )]
+    Diff(Diff),
+    /// List and install renderers.
+    Renderers(Renderers),
+    /// Explain a finding, a constructor of the language, or a target.
+    #[command(
+        after_help = "Examples:\n  ltsc explain smooth-emitter\n  ltsc explain diffuse\n  ltsc explain --target luxcore\n  ltsc explain            (lists what can be explained)"
+    )]
+    Explain(Explain),
+    /// Print the completions of a shell.
+    #[command(after_help = "Example:\n  ltsc completions bash > ~/.local/share/bash-completion/completions/ltsc")]
+    Completions {
+        #[arg(value_enum)]
+        shell: clap_complete::Shell,
+    },
+}
+
+/// How findings are judged and shown.
+#[derive(Args, Clone, Debug)]
+pub struct Findings {
+    /// How findings are printed.
+    #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
+    pub format: Format,
+    /// Drop the findings of a rule.
+    #[arg(long, value_name = "RULE")]
+    pub allow: Vec<String>,
+    /// Show the findings of a rule.
+    #[arg(long, value_name = "RULE")]
+    pub warn: Vec<String>,
+    /// Show the findings of a rule and fail.
+    #[arg(long, value_name = "RULE")]
+    pub deny: Vec<String>,
+    /// Ignore the `allow` statements of scenes.
+    #[arg(long)]
+    pub no_allow: bool,
+    /// Files are read below this folder only [default: the project's root].
+    #[arg(long, value_name = "DIR", env = "LTSC_ROOT")]
+    pub root: Option<PathBuf>,
+}
+
+/// Settings that replace the scene's own.
+#[derive(Args, Debug)]
+pub struct Settings {
+    /// Width of the image in pixels.
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub width: Option<u32>,
+    /// Height of the image in pixels.
+    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    pub height: Option<u32>,
+    /// Samples per pixel.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub samples: Option<u32>,
+    /// Segments of a path, the camera's and the light's included.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    pub max_depth: Option<u32>,
+    /// Start of the random numbers.
+    #[arg(long, value_name = "N")]
+    pub seed: Option<u32>,
+    /// The camera to look through [default: the first].
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+}
+
+#[derive(Args, Debug)]
+pub struct Build {
+    /// Scene files, or folders with scenes.
+    pub paths: Vec<PathBuf>,
+    /// Write nothing; exit with 1 and name the files where the generated folder is not what it would become.
+    #[arg(long)]
+    pub check: bool,
+    /// Only these targets [default: those of ltsc.toml, else all].
+    #[arg(long, value_name = "TARGET", value_delimiter = ',')]
+    pub target: Vec<String>,
+    /// Write below this folder [default: that of ltsc.toml, else `generated` beside the scenes].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Write into a folder that is not empty and was not written by ltsc.
+    #[arg(long)]
+    pub force: bool,
+    #[command(flatten)]
+    pub findings: Findings,
+}
+
+#[derive(Args, Debug)]
+pub struct Lint {
+    /// Scene files, or folders with scenes.
+    pub paths: Vec<PathBuf>,
+    #[command(flatten)]
+    pub findings: Findings,
+}
+
+#[derive(Args, Debug)]
+pub struct Emit {
+    /// The scene file.
+    pub scene: Option<PathBuf>,
+    /// The target, for example `mitsuba`, `pbrt`, `gltf`.
+    #[arg(long, value_name = "TARGET", required = true)]
+    pub target: String,
+    /// The folder to write [default: `./<scene>-<target>`].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Write into a folder that is not empty and was not written by ltsc.
+    #[arg(long)]
+    pub force: bool,
+    #[command(flatten)]
+    pub settings: Settings,
+    #[command(flatten)]
+    pub findings: Findings,
+}
+
+#[derive(Args, Debug)]
+pub struct Render {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// The renderer: `mitsuba-3`, `luxcore`.
+    #[arg(long, value_name = "NAME")]
+    pub renderer: String,
+    /// The image to write.
+    #[arg(short, long, value_name = "FILE.exr")]
+    pub output: PathBuf,
+    /// Write over an image that is there.
+    #[arg(long)]
+    pub force: bool,
+    /// The renderer's executable, or a Python that has its module.
+    #[arg(long, value_name = "FILE")]
+    pub executable: Option<PathBuf>,
+    /// Threads [default: all].
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: Option<u32>,
+    /// Stop the renderer after this many seconds.
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
+    pub timeout: Option<u64>,
+    /// Where the renderer's log is kept [default: beside the image, `.log` appended].
+    #[arg(long, value_name = "FILE")]
+    pub log: Option<PathBuf>,
+    #[command(flatten)]
+    pub settings: Settings,
+    #[command(flatten)]
+    pub findings: Findings,
+}
+
+#[derive(Args, Debug)]
+pub struct Diff {
+    /// The reference.
+    pub a: PathBuf,
+    /// The image compared with it.
+    pub b: PathBuf,
+    /// Write the signed difference (green: B brighter, red: B dimmer) as difference.png, and diff.json, into this folder.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Tiles along each side.
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=256))]
+    pub tiles: u32,
+    /// Brightness of the difference picture in stops.
+    #[arg(long, value_name = "STOPS", default_value_t = 5.0, allow_hyphen_values = true)]
+    pub exposure: f32,
+    /// Reduce the larger image to the size of the smaller one by averaging whole blocks of pixels.
+    #[arg(long)]
+    pub reduce: bool,
+    /// Leave out pixels that are not finite in either image, instead of refusing them.
+    #[arg(long)]
+    pub mask_nonfinite: bool,
+    /// Exit with 1 if a channel's mean or a tile differs by more than this share (0.02 is 2 %).
+    #[arg(long, value_name = "SHARE")]
+    pub tolerance: Option<f64>,
+    /// How the result is printed.
+    #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
+    pub format: Format,
+}
+
+#[derive(Args, Debug)]
+pub struct Renderers {
+    #[command(subcommand)]
+    pub action: RenderersAction,
+}
+
+#[derive(Subcommand, Debug)]
+pub enum RenderersAction {
+    /// Show which renderers are known and which are there.
+    List {
+        /// How the list is printed.
+        #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
+        format: Format,
+    },
+    /// Install a pinned version into a private folder of the user's cache; nothing else of the system is touched.
+    #[command(
+        after_help = "Example:\n  ltsc renderers install mitsuba-3 luxcore\n\nThe folder is $LTSC_CACHE, else the cache folder of the user; an interrupted installation is continued."
+    )]
+    Install {
+        /// The renderers.
+        #[arg(required = true)]
+        names: Vec<String>,
+        /// Install again, even where the pinned version is there.
+        #[arg(long)]
+        force: bool,
+    },
+}
+
+#[derive(Args, Debug)]
+pub struct Explain {
+    /// The code of a finding, or the name of a constructor.
+    pub what: Option<String>,
+    /// What a target can say, and how exactly.
+    #[arg(long, value_name = "TARGET")]
+    pub target: Option<String>,
+}

@@ -1,0 +1,243 @@
+//! `ltsc build`: every scene of a project for every target.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use ltsc_core::diag::{Finding, Severity, Sources};
+use ltsc_core::eval::Overrides;
+use ltsc_core::formats::{self, Target};
+use ltsc_core::pipeline;
+use ltsc_core::valid::Valid;
+use rayon::prelude::*;
+use serde_json::json;
+
+use crate::args::{Build, Format};
+use crate::disk::{Changes, DiskSink, MANIFEST, Manifest};
+use crate::output::{Exit, Failure, Located};
+use crate::project::{self, Project};
+use crate::terminal::{self, Bar};
+
+use super::shared::{CheckedFile, check, files_of, report};
+
+/// A scene that can be written.
+struct Ready<'f> {
+    scene: Valid,
+    sources: &'f Sources,
+    remarks: Vec<Finding>,
+}
+
+/// What became of one scene.
+struct Built {
+    name: String,
+    targets: usize,
+    changes: Changes,
+}
+
+pub fn run(command: &Build) -> Result<Exit, Failure> {
+    let only: Vec<&'static Target> =
+        command.target.iter().map(|name| project::target(name)).collect::<Result<_, _>>()?;
+    let whole = command.paths.is_empty();
+    let mut exit = Exit::Done;
+    let mut all = Vec::new();
+    for (project, files) in files_of(&command.paths)? {
+        let (one, built) = build(command, &project, &files, &only, whole)?;
+        exit = exit.max(one);
+        all.extend(built);
+    }
+    if command.findings.format == Format::Json {
+        let list: Vec<serde_json::Value> = all.iter().map(json_of).collect();
+        terminal::print(&format!("{:#}\n", json!({ "scenes": list })));
+    }
+    Ok(exit)
+}
+
+fn json_of(built: &Built) -> serde_json::Value {
+    let Built { name, targets, changes: Changes { written, same, removed } } = built;
+    json!({ "scene": name, "targets": targets, "written": written, "unchanged": same, "removed": removed })
+}
+
+fn build(
+    command: &Build,
+    project: &Project,
+    files: &[PathBuf],
+    only: &[&'static Target],
+    whole: bool,
+) -> Result<(Exit, Vec<Built>), Failure> {
+    let targets: &[&'static Target] = if only.is_empty() { &project.targets } else { only };
+    let output = command.output.as_deref().unwrap_or(&project.generated);
+    let checked = check(project, files, &command.findings, Overrides::default())?;
+    let (ready, invalid) = prepare(&checked);
+    let mut more: Vec<Located<'_>> = invalid;
+    for ready in &ready {
+        let losses = targets.iter().flat_map(|target| pipeline::losses(&ready.scene, target));
+        more.extend(
+            ready.remarks.iter().cloned().chain(losses).map(|finding| Located { finding, sources: ready.sources }),
+        );
+    }
+    let json = command.findings.format == Format::Json;
+    let shown = if json { Format::Short } else { command.findings.format };
+    let (exit, _) = report(&checked, more, shown, false);
+    if exit != Exit::Done {
+        terminal::error("nothing was written");
+        return Ok((exit, Vec::new()));
+    }
+    if let Some((name, first, second)) = twins(&ready) {
+        return Err(Failure::new(Exit::Input, format!("two scenes are named `{name}`: {first} and {second}"))
+            .help("rename one of them"));
+    }
+    let bar = std::sync::Mutex::new((Bar::new(ready.len() as u64, "building"), 0));
+    let built: Vec<Result<Built, Failure>> = ready
+        .par_iter()
+        .map(|ready| {
+            let result = write(ready, targets, output, command);
+            if let Ok(mut bar) = bar.lock() {
+                bar.1 += 1;
+                let done = bar.1;
+                bar.0.set(done);
+            }
+            result
+        })
+        .collect();
+    if let Ok(bar) = bar.lock() {
+        bar.0.finish();
+    }
+    let mut built = built.into_iter().collect::<Result<Vec<_>, _>>()?;
+    if whole && only.is_empty() {
+        built.extend(orphans(output, &ready, command.check)?);
+    }
+    let stale = built.iter().any(|scene| !scene.changes.is_empty());
+    if !json {
+        summary(&built, output, command.check);
+    }
+    Ok((if command.check && stale { Exit::No } else { Exit::Done }, built))
+}
+
+/// Lowers and validates what can be written; the rest comes back as findings.
+fn prepare(checked: &[CheckedFile]) -> (Vec<Ready<'_>>, Vec<Located<'_>>) {
+    let scenes = checked.par_iter().filter_map(|file| {
+        let scene = file.checked.scene.clone().filter(|_| file.checked.worst() < Severity::Deny)?;
+        Some((file, pipeline::prepare(scene)))
+    });
+    let (mut ready, mut invalid) = (Vec::new(), Vec::new());
+    for (file, prepared) in scenes.collect::<Vec<_>>() {
+        match prepared {
+            Ok((scene, remarks)) => ready.push(Ready { scene, sources: &file.sources, remarks }),
+            Err(findings) => {
+                invalid.extend(findings.into_iter().map(|finding| Located { finding, sources: &file.sources }))
+            }
+        }
+    }
+    (ready, invalid)
+}
+
+/// Two scenes that would be written into one folder, also where the system does not tell case.
+fn twins(ready: &[Ready<'_>]) -> Option<(String, String, String)> {
+    let mut seen: BTreeMap<String, &Ready<'_>> = BTreeMap::new();
+    let path = |ready: &Ready<'_>| ready.sources.iter().next().map_or(String::new(), |file| file.path.clone());
+    for one in ready {
+        if let Some(first) = seen.insert(one.scene.name.to_lowercase(), one) {
+            return Some((one.scene.name.clone(), path(first), path(one)));
+        }
+    }
+    None
+}
+
+fn write(ready: &Ready<'_>, targets: &[&Target], output: &Path, command: &Build) -> Result<Built, Failure> {
+    let scene = &ready.scene;
+    let folder = output.join(&scene.name);
+    let failed = |error: io::Error| {
+        let failure = Failure::new(Exit::Environment, format!("{}: {error}", folder.display()));
+        if error.kind() == io::ErrorKind::AlreadyExists {
+            Failure { exit: Exit::Usage, ..failure }
+                .help("choose another folder with `-o`, or add `--force` to write into it")
+        } else {
+            failure
+        }
+    };
+    let camera = pipeline::camera(scene, None)
+        .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
+    let mut sink = DiskSink::new(&folder, &scene.name, command.check, command.force).map_err(failed)?;
+    let shares = targets.iter().any(|target| target.shares_meshes);
+    if !command.target.is_empty() {
+        // The other targets of the folder stay as they are.
+        let ours = |path: &str| targets.iter().any(|target| path.starts_with(&format!("{}/", target.name)));
+        sink.keep(|path| !ours(path) && (!path.starts_with("meshes/") || !shares));
+    }
+    if shares {
+        formats::write_meshes(scene, "meshes/", &mut sink).map_err(failed)?;
+    }
+    for target in targets {
+        let mut inner = sink.below(target.name);
+        pipeline::emit_shared(scene, camera, target, &mut inner).map_err(failed)?;
+    }
+    let changes = sink.finish().map_err(failed)?;
+    Ok(Built { name: scene.name.clone(), targets: targets.len(), changes })
+}
+
+/// Folders of scenes that are gone.
+fn orphans(output: &Path, ready: &[Ready<'_>], check: bool) -> Result<Vec<Built>, Failure> {
+    let names: BTreeSet<&str> = ready.iter().map(|ready| ready.scene.name.as_str()).collect();
+    let Ok(entries) = fs::read_dir(output) else { return Ok(Vec::new()) };
+    let mut folders: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    folders.sort();
+    let mut gone = Vec::new();
+    for folder in folders {
+        let Some(name) = folder.file_name().and_then(|name| name.to_str()).filter(|name| !names.contains(name)) else {
+            continue;
+        };
+        let Some(manifest) = Manifest::read(&folder).filter(|manifest| manifest.scene == name) else { continue };
+        let failed = |error: io::Error| Failure::new(Exit::Environment, format!("{}: {error}", folder.display()));
+        let mut changes = Changes { removed: manifest.files.keys().cloned().collect(), ..Changes::default() };
+        changes.removed.push(MANIFEST.to_owned());
+        if !check {
+            let sink = DiskSink::new(&folder, name, false, false).map_err(failed)?;
+            let _removed = sink.finish().map_err(failed)?;
+            fs::remove_file(folder.join(MANIFEST)).map_err(failed)?;
+            // Files of someone else's stay, and the folder with them.
+            let _kept = fs::remove_dir(&folder);
+        }
+        gone.push(Built { name: name.to_owned(), targets: 0, changes });
+    }
+    Ok(gone)
+}
+
+fn summary(built: &[Built], output: &Path, check: bool) {
+    let mut lines = String::new();
+    for Built { name, targets: _, changes } in built {
+        if check {
+            let words = changes
+                .written
+                .iter()
+                .map(|path| (path, "stale"))
+                .chain(changes.removed.iter().map(|path| (path, "left over")));
+            for (path, word) in words {
+                lines.push_str(&format!("{word}: {}\n", output.join(name).join(path).display()));
+            }
+        } else if !changes.is_empty() {
+            let removed =
+                if changes.removed.is_empty() { String::new() } else { format!(", {} removed", changes.removed.len()) };
+            lines.push_str(&format!(
+                "{name}: {} files written, {} unchanged{removed}\n",
+                changes.written.len(),
+                changes.same
+            ));
+        }
+    }
+    terminal::print(&lines);
+    let stale = built.iter().any(|scene| !scene.changes.is_empty());
+    let targets = built.iter().map(|scene| scene.targets).max().unwrap_or(0);
+    let scenes = built.iter().filter(|scene| scene.targets > 0).count();
+    let what = format!(
+        "{scenes} scene{} for {targets} target{}",
+        if scenes == 1 { "" } else { "s" },
+        if targets == 1 { "" } else { "s" }
+    );
+    let place = output.display();
+    terminal::say(&match (check, stale) {
+        (true, true) => format!("{place} is stale; `ltsc build` brings it up to date"),
+        (false, true) => format!("{what} in {place}"),
+        (_, false) => format!("{what} in {place}: nothing to do, all files are up to date"),
+    });
+}

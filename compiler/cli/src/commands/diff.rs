@@ -1,0 +1,96 @@
+//! `ltsc diff`: numbers and a picture of how two images differ.
+
+use std::path::Path;
+
+use ltsc_render::compare::{CompareOptions, Comparison, compare, to_text, write_difference_png};
+use ltsc_render::image::{Image, ImageError, read, reduce};
+use serde_json::json;
+
+use crate::args::{Diff, Format};
+use crate::disk::write_atomically;
+use crate::output::{Exit, Failure};
+use crate::terminal;
+
+pub fn run(command: &Diff) -> Result<Exit, Failure> {
+    if command.tolerance.is_some_and(|tolerance| !(tolerance >= 0.0)) {
+        return Err(Failure::new(Exit::Usage, "the tolerance is a share of at least 0, for example 0.02"));
+    }
+    let (a, b) = (load(&command.a)?, load(&command.b)?);
+    let (a, b) = if command.reduce { same_size(a, b)? } else { (a, b) };
+    let options = CompareOptions {
+        tiles: command.tiles as usize,
+        mask_non_finite: command.mask_nonfinite,
+        ..CompareOptions::default()
+    };
+    let comparison =
+        compare(&a, &b, &options).map_err(|error| Failure::new(Exit::Input, error.to_string()).help(error.hint()))?;
+    let beyond = command.tolerance.map(|tolerance| exceeds(&comparison, tolerance));
+    let mut document =
+        serde_json::to_value(&comparison).map_err(|error| Failure::new(Exit::Fault, error.to_string()))?;
+    if let (Some(object), Some(beyond), Some(tolerance)) = (document.as_object_mut(), beyond, command.tolerance) {
+        object.insert("tolerance".to_owned(), json!(tolerance));
+        object.insert("within_tolerance".to_owned(), json!(!beyond));
+    }
+    if let Some(folder) = &command.output {
+        write_folder(folder, command, &a, &b, &document)?;
+    }
+    match command.format {
+        Format::Json => terminal::print(&format!("{document:#}\n")),
+        Format::Human | Format::Short => {
+            terminal::print(&to_text(&comparison));
+            if let (Some(beyond), Some(tolerance)) = (beyond, command.tolerance) {
+                let word = if beyond { "beyond" } else { "within" };
+                terminal::print(&format!("{word} the tolerance of {:.3} %\n", tolerance * 100.0));
+            }
+        }
+    }
+    Ok(if beyond == Some(true) { Exit::No } else { Exit::Done })
+}
+
+fn unreadable(error: &ImageError) -> Failure {
+    Failure::new(Exit::Input, error.to_string()).help(error.hint())
+}
+
+fn load(path: &Path) -> Result<Image, Failure> {
+    read(path).map(|(image, _)| image).map_err(|error| unreadable(&error))
+}
+
+/// The larger image averaged down to the size of the smaller one.
+fn same_size(a: Image, b: Image) -> Result<(Image, Image), Failure> {
+    let to = |image: &Image, like: &Image| reduce(image, like.width, like.height).map_err(|error| unreadable(&error));
+    if a.width > b.width {
+        Ok((to(&a, &b)?, b))
+    } else if b.width > a.width {
+        let reduced = to(&b, &a)?;
+        Ok((a, reduced))
+    } else {
+        Ok((a, b))
+    }
+}
+
+/// Whether a channel's mean or a tile differs by more than `tolerance`, as a share of A.
+fn exceeds(comparison: &Comparison, tolerance: f64) -> bool {
+    let off = |ratio: f64| (ratio - 1.0).abs() > tolerance;
+    let means = comparison.metric("ratio").is_some_and(|value| value.channels.iter().flatten().copied().any(off));
+    let tiles = comparison.tiles.rows.iter().flatten().any(|tile| tile.channels.iter().flatten().copied().any(off));
+    means || tiles
+}
+
+fn write_folder(
+    folder: &Path,
+    command: &Diff,
+    a: &Image,
+    b: &Image,
+    document: &serde_json::Value,
+) -> Result<(), Failure> {
+    let failed =
+        |what: &str, text: String| Failure::new(Exit::Environment, format!("{}: {text}", folder.join(what).display()));
+    std::fs::create_dir_all(folder).map_err(|error| failed("", error.to_string()))?;
+    write_difference_png(&folder.join("difference.png"), a, b, f64::from(command.exposure))
+        .map_err(|error| failed("difference.png", error.to_string()))?;
+    let text = format!("{document:#}\n");
+    write_atomically(&folder.join("diff.json"), &mut |out| out.write_all(text.as_bytes()))
+        .map_err(|error| failed("diff.json", error.to_string()))?;
+    terminal::say(&format!("{} written (green: B brighter, red: B dimmer)", folder.join("difference.png").display()));
+    Ok(())
+}

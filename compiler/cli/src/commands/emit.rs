@@ -1,0 +1,60 @@
+//! `ltsc emit`: one scene for one target, as a self-contained folder.
+
+use std::path::PathBuf;
+
+use ltsc_core::pipeline;
+
+use crate::args::{Build, Emit, Format};
+use crate::disk::DiskSink;
+use crate::output::{Exit, Failure};
+use crate::project;
+use crate::terminal;
+
+use super::shared::{one, report_loose};
+
+pub fn run(command: &Emit) -> Result<Exit, Failure> {
+    let target = project::target(&command.target)?;
+    let Some(file) = &command.scene else { return all(command) };
+    let scene = match one(file, &command.findings, &command.settings)? {
+        Ok(scene) => scene,
+        Err(exit) => return Ok(exit),
+    };
+    let mut remarks = scene.remarks.clone();
+    remarks.extend(pipeline::losses(&scene.scene, target));
+    report_loose(remarks, &scene.sources, command.findings.format);
+    let name = format!("{}-{}", scene.scene.name, target.name);
+    let folder = command.output.clone().unwrap_or_else(|| PathBuf::from(name));
+    let unwritable = |error: std::io::Error| {
+        let failure = Failure::new(Exit::Environment, format!("{}: {error}", folder.display()));
+        if error.kind() == std::io::ErrorKind::AlreadyExists {
+            Failure { exit: Exit::Usage, ..failure }.help("choose another folder, or add `--force` to write into it")
+        } else {
+            failure
+        }
+    };
+    let mut sink = DiskSink::new(&folder, &scene.scene.name, false, command.force).map_err(unwritable)?;
+    pipeline::emit_alone(&scene.scene, scene.camera, target, &mut sink).map_err(unwritable)?;
+    let changes = sink.finish().map_err(unwritable)?;
+    if command.findings.format == Format::Human {
+        let main = folder.join(target.main_file.replace("SCENE", &scene.scene.name));
+        let what = if changes.is_empty() { "is up to date" } else { "written" };
+        terminal::say(&format!("{} {what}", main.display()));
+    }
+    Ok(Exit::Done)
+}
+
+/// Without a scene: what `build` does for all targets, for one.
+fn all(command: &Emit) -> Result<Exit, Failure> {
+    let crate::args::Settings { width, height, samples, max_depth, seed, camera } = &command.settings;
+    if [width, height, samples, max_depth, seed].into_iter().any(Option::is_some) || camera.is_some() {
+        return Err(Failure::new(Exit::Usage, "settings go with one scene").help("name the scene"));
+    }
+    super::build::run(&Build {
+        paths: Vec::new(),
+        check: false,
+        target: vec![command.target.clone()],
+        output: command.output.clone(),
+        force: command.force,
+        findings: command.findings.clone(),
+    })
+}

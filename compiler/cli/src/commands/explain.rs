@@ -1,0 +1,106 @@
+//! `ltsc explain`: pages of rules, findings, constructors and targets.
+
+use ltsc_core::capability::{Feature, Support};
+use ltsc_core::diag::{CODES, nearest};
+use ltsc_core::eval::{Constructor, Family, table};
+use ltsc_core::lint;
+
+use crate::args::Explain;
+use crate::output::{Exit, Failure};
+use crate::project;
+use crate::terminal;
+
+pub fn run(command: &Explain) -> Result<Exit, Failure> {
+    match (&command.what, &command.target) {
+        (Some(_), Some(_)) => Err(Failure::new(Exit::Usage, "a code and a target are both given")),
+        (None, Some(target)) => explain_target(target),
+        (Some(what), None) => explain(what),
+        (None, None) => {
+            terminal::print(&contents());
+            Ok(Exit::Done)
+        }
+    }
+}
+
+fn explain(what: &str) -> Result<Exit, Failure> {
+    let mut pages = Vec::new();
+    if let Some(rule) = lint::find(what) {
+        pages.push(format!("{} (level: {})\n{}\n\n{}", rule.id, rule.level.word(), rule.summary, rule.doc.trim_end()));
+    }
+    if let Some(code) = CODES.iter().find(|code| code.id == what) {
+        pages.push(format!("{}\n{}", code.id, code.doc));
+    }
+    pages.extend(table().filter(|row| row.name == what).map(page));
+    if pages.is_empty() {
+        let names = lint::RULES
+            .iter()
+            .map(|rule| rule.id)
+            .chain(CODES.iter().map(|code| code.id))
+            .chain(table().map(|row| row.name));
+        let failure = Failure::new(Exit::Usage, format!("there is nothing called `{what}`"));
+        return Err(match nearest(what, names) {
+            Some(similar) => failure.help(format!("did you mean `{similar}`?")),
+            None => failure.help("`ltsc explain` lists everything"),
+        });
+    }
+    terminal::print(&format!("{}\n", pages.join("\n\n")));
+    Ok(Exit::Done)
+}
+
+/// The page of a constructor.
+fn page(row: &Constructor) -> String {
+    let mut text = format!("{} -> {}\n{}\n\n", row.signature(), row.family.words(), row.summary);
+    for param in row.params.iter().skip(usize::from(row.family == Family::Stage)) {
+        let default = match param.default {
+            None => "required".to_owned(),
+            Some("") => "optional".to_owned(),
+            Some(value) => format!("= {value}"),
+        };
+        text.push_str(&format!("    {:<12} {:<28} {default:<12} {}\n", param.name, param.ty.words(), param.doc));
+    }
+    let example: Vec<String> = row.example.lines().map(|line| format!("    {line}")).collect();
+    text.push_str(&format!("\nExample:\n{}", example.join("\n")));
+    text
+}
+
+fn explain_target(name: &str) -> Result<Exit, Failure> {
+    let target = project::target(name)?;
+    let mut text = format!("{}\n{}\n\n", target.name, target.summary);
+    for feature in Feature::ALL {
+        let words = match (target.supports)(*feature) {
+            Support::Exact => "exact".to_owned(),
+            Support::Approximate { why, bound } => format!("approximate: {why}; {bound}"),
+            Support::Unsupported { why } => format!("unsupported: {why}"),
+        };
+        text.push_str(&format!("{:<48} {words}\n", feature.name()));
+    }
+    terminal::print(&text);
+    Ok(Exit::Done)
+}
+
+fn contents() -> String {
+    let mut text = "Rules:\n".to_owned();
+    for rule in lint::RULES {
+        text.push_str(&format!("    {:<22} {:<6} {}\n", rule.id, rule.level.word(), rule.summary));
+    }
+    text.push_str("\nOther findings:\n");
+    for code in CODES {
+        text.push_str(&format!("    {:<22} {}\n", code.id, code.doc.lines().next().unwrap_or_default()));
+    }
+    for family in Family::ALL {
+        text.push_str(&format!("\n{} is made by:\n", capital(family.words())));
+        for row in table().filter(|row| row.family == family) {
+            text.push_str(&format!("    {:<22} {}\n", row.name, row.summary));
+        }
+    }
+    text.push_str("\nTargets (`ltsc explain --target NAME`):\n");
+    for target in ltsc_core::formats::TARGETS {
+        text.push_str(&format!("    {:<22} {}\n", target.name, target.summary));
+    }
+    text
+}
+
+fn capital(text: &str) -> String {
+    let mut chars = text.chars();
+    chars.next().map_or(String::new(), |first| first.to_uppercase().chain(chars).collect())
+}

@@ -1,0 +1,173 @@
+//! `ltsc render`: a scene through a real renderer to an EXR that says how it came to be.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+
+use ltsc_core::ir::Sampler;
+use ltsc_core::pipeline;
+use ltsc_render::cache::CachePaths;
+use ltsc_render::env::Env;
+use ltsc_render::image::{Provenance, write_exr};
+use ltsc_render::run::{Driver, Progress, RenderError, RenderRequest, Rendered, driver, render};
+use serde_json::json;
+
+use crate::args::{Format, Render};
+use crate::disk::DiskSink;
+use crate::output::{Exit, Failure};
+use crate::project;
+use crate::terminal::{self, Bar};
+
+use super::shared::{One, one, report_loose};
+
+pub fn run(command: &Render) -> Result<Exit, Failure> {
+    let driver = find_driver(&command.renderer)?;
+    check_output(command)?;
+    let scene = match one(&command.scene, &command.findings, &command.settings)? {
+        Ok(scene) => scene,
+        Err(exit) => return Ok(exit),
+    };
+    let target = project::target(driver.target)?;
+    let mut remarks = scene.remarks.clone();
+    remarks.extend(pipeline::losses(&scene.scene, target));
+    report_loose(remarks, &scene.sources, command.findings.format);
+    let work = tempfile::Builder::new()
+        .prefix("ltsc-render-")
+        .tempdir()
+        .map_err(|error| Failure::new(Exit::Environment, format!("no temporary folder can be made: {error}")))?;
+    let unwritable =
+        |error: std::io::Error| Failure::new(Exit::Environment, format!("{}: {error}", work.path().display()));
+    let mut sink = DiskSink::new(work.path(), &scene.scene.name, false, false).map_err(unwritable)?;
+    pipeline::emit_alone(&scene.scene, scene.camera, target, &mut sink).map_err(unwritable)?;
+    sink.finish().map_err(unwritable)?;
+    let request = request(command, driver, &scene, work.path());
+    let log = request.log.clone();
+    let rendered = watch(&request, &scene)?;
+    let provenance = provenance(command, driver, &scene, &rendered);
+    write_exr(&command.output, &rendered.image, &provenance)
+        .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))?;
+    if command.findings.format == Format::Json {
+        let document = json!({
+            "image": command.output, "log": log, "renderer": driver.name, "renderer_version": rendered.renderer_version,
+            "samples": rendered.samples_done, "seconds": rendered.seconds, "scene_hash": scene.hash,
+        });
+        terminal::print(&format!("{document:#}\n"));
+    } else {
+        terminal::say(&format!(
+            "{} written: {} {}, {} samples, {:.1} s",
+            command.output.display(),
+            driver.name,
+            rendered.renderer_version,
+            rendered.samples_done,
+            rendered.seconds
+        ));
+    }
+    Ok(Exit::Done)
+}
+
+/// The driver called `name`.
+pub fn find_driver(name: &str) -> Result<&'static Driver, Failure> {
+    driver(name).ok_or_else(|| {
+        let known: Vec<&str> = ltsc_render::run::DRIVERS.iter().map(|driver| driver.name).collect();
+        let failure = Failure::new(Exit::Usage, format!("there is no renderer `{name}`"));
+        match ltsc_core::diag::nearest(name, known.iter().copied()) {
+            Some(similar) => failure.help(format!("did you mean `{similar}`?")),
+            None => failure.help(format!("known are {}", known.join(", "))),
+        }
+    })
+}
+
+/// Refuses what would be found out only after the rendering.
+fn check_output(command: &Render) -> Result<(), Failure> {
+    let path = &command.output;
+    let usage = |message: String| Failure::new(Exit::Usage, message);
+    if path.extension().is_none_or(|ending| !ending.eq_ignore_ascii_case("exr")) {
+        return Err(usage(format!("{} is no EXR file", path.display()))
+            .help("images are written as linear 32-bit EXR: end the name in `.exr`"));
+    }
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    std::fs::create_dir_all(folder).map_err(|error| usage(format!("{}: {error}", folder.display())))?;
+    let Ok(meta) = std::fs::metadata(path) else { return Ok(()) };
+    if meta.is_dir() {
+        return Err(usage(format!("{} is a folder", path.display())));
+    }
+    // An image that ltsc rendered may be rendered anew; anything else is someone's work.
+    let ours = ltsc_render::image::read(path)
+        .is_ok_and(|(_, attributes)| attributes.iter().any(|(name, _)| name == "ltsc:version"));
+    if ours || command.force {
+        return Ok(());
+    }
+    Err(usage(format!("{} is there, and ltsc did not render it", path.display()))
+        .help("choose another name, or add `--force`"))
+}
+
+fn request(command: &Render, driver: &'static Driver, scene: &One, folder: &Path) -> RenderRequest {
+    let film = &scene.scene.film;
+    let Sampler::Independent { samples, seed } = scene.scene.sampler;
+    let env = Env::of_process();
+    let cache = CachePaths::find(&env);
+    let beside = || {
+        let mut name = command.output.clone().into_os_string();
+        name.push(".log");
+        PathBuf::from(name)
+    };
+    let log = command.log.clone().unwrap_or_else(beside);
+    let size = (film.width as usize, film.height as usize);
+    RenderRequest {
+        executable: command.executable.clone().or_else(|| scene.project.executables.get(driver.name).cloned()),
+        env,
+        cache,
+        main_file: driver.main_file.replace("SCENE", &scene.scene.name),
+        samples,
+        seed,
+        threads: command.threads.map(|threads| threads as usize),
+        timeout: command.timeout.map(Duration::from_secs),
+        cancel: Some(Arc::new(AtomicBool::new(false))),
+        ..RenderRequest::new(driver, folder.to_path_buf(), size, log)
+    }
+}
+
+/// Renders under a progress bar.
+fn watch(request: &RenderRequest, scene: &One) -> Result<Rendered, Failure> {
+    let what = format!("{} ({})", scene.scene.name, request.driver.name);
+    let mut bar = Bar::new(u64::from(request.samples), &what);
+    let rendered = render(request, &mut |progress| match progress {
+        Progress::Samples { done, total: _, seconds: _ } => bar.set(done),
+        Progress::Started { version } => bar.say(&format!("{what} {version}")),
+        Progress::Loaded { seconds: _ } => bar.say(&what),
+    });
+    bar.finish();
+    rendered.map_err(|error| failure(&error))
+}
+
+fn failure(error: &RenderError) -> Failure {
+    let mut message = error.to_string();
+    if !error.tail().is_empty() {
+        message.push_str("\nthe end of its log:");
+        for line in error.tail() {
+            message.push_str("\n    ");
+            message.push_str(line);
+        }
+    }
+    Failure {
+        help: Some(error.hint().to_owned()).filter(|hint| !hint.is_empty()),
+        ..Failure::new(Exit::Environment, message)
+    }
+}
+
+fn provenance(command: &Render, driver: &Driver, scene: &One, rendered: &Rendered) -> Provenance {
+    let Sampler::Independent { samples: _, seed } = scene.scene.sampler;
+    let camera = command.settings.camera.iter().map(|name| ("camera".to_owned(), name.clone()));
+    Provenance {
+        scene: scene.scene.name.clone(),
+        scene_hash: scene.hash.clone(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        renderer: driver.name.to_owned(),
+        renderer_version: rendered.renderer_version.clone(),
+        samples: rendered.samples_done,
+        seed: u64::from(seed),
+        seconds: rendered.seconds,
+        extra: camera.collect(),
+    }
+}

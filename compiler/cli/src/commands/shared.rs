@@ -1,0 +1,170 @@
+//! What several commands do: checking files of a project, and settings from the command line.
+
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+
+use ltsc_core::diag::{Finding, Severity, Sources};
+use ltsc_core::eval::Overrides;
+use ltsc_core::files::VPath;
+use ltsc_core::ir::{Camera, Handle, Scene};
+use ltsc_core::pipeline::{self, Checked, Options};
+use ltsc_core::valid::Valid;
+use rayon::prelude::*;
+
+use crate::args::{self, Format};
+use crate::disk::DiskFiles;
+use crate::output::{self, Exit, Failure, Located};
+use crate::project::{self, Project};
+
+/// Findings shown to people before the rest is only counted.
+const SHOWN: usize = 100;
+
+/// A file that was checked, with the texts that its findings lie in.
+pub struct CheckedFile {
+    /// Below the project's root.
+    pub path: VPath,
+    pub checked: Checked,
+    pub sources: Sources,
+}
+
+/// The files that a command with paths works on: those of the project where there are none.
+pub fn files_of(paths: &[PathBuf]) -> Result<Vec<(Project, Vec<PathBuf>)>, Failure> {
+    if paths.is_empty() {
+        let project = Project::here()?;
+        let files = project::scene_files(&project.scenes)?;
+        return Ok(vec![(project, files)]);
+    }
+    paths.iter().map(|path| Ok((Project::of(path)?, project::scene_files(path)?))).collect()
+}
+
+/// Checks files of a project, in parallel; the result is in the order of the files.
+pub fn check(
+    project: &Project,
+    files: &[PathBuf],
+    findings: &args::Findings,
+    overrides: Overrides,
+) -> Result<Vec<CheckedFile>, Failure> {
+    let root = findings.root.as_deref().unwrap_or(&project.root);
+    let disk = DiskFiles::new(root)
+        .map_err(|error| Failure::new(Exit::Usage, format!("{} cannot be read: {error}", root.display())))?;
+    let options = Options { overrides, levels: project.levels_with(findings)?, no_allow: findings.no_allow };
+    let one = |file: &PathBuf| {
+        let path = disk.path_of(file).ok_or_else(|| {
+            Failure::new(Exit::Usage, format!("{} does not lie below {}", file.display(), root.display()))
+                .help("widen the root with `--root`, or move the scene")
+        })?;
+        let mut sources = Sources::default();
+        let checked = pipeline::check(&disk, &mut sources, &path, &options);
+        Ok(CheckedFile { path, checked, sources })
+    };
+    // One file is not worth starting threads for.
+    if files.len() == 1 { files.iter().map(one).collect() } else { files.par_iter().map(one).collect() }
+}
+
+/// Prints what was found in files, each thing once, and gives the exit code that it leads to.
+pub fn report(
+    files: &[CheckedFile],
+    more: Vec<Located<'_>>,
+    format: Format,
+    to_stdout: bool,
+) -> (Exit, output::Counts) {
+    let mut seen = BTreeSet::new();
+    let mut all: Vec<Located<'_>> = Vec::new();
+    for file in files {
+        for finding in &file.checked.findings {
+            let located = Located { finding: finding.clone(), sources: &file.sources };
+            if seen.insert(located.key()) {
+                all.push(located);
+            }
+        }
+    }
+    all.extend(more);
+    let counts = output::Counts::of(all.iter().map(|located| &located.finding));
+    let worst = all.iter().map(|located| located.finding.severity).max().unwrap_or(Severity::Allow);
+    if format == Format::Human && all.len() > SHOWN {
+        let rest = all.len() - SHOWN;
+        all.truncate(SHOWN);
+        output::findings(&all, format, to_stdout, true);
+        crate::terminal::say(&format!("... and {rest} more findings; `--format short` shows all"));
+    } else {
+        output::findings(&all, format, to_stdout, true);
+    }
+    (Exit::of(worst), counts)
+}
+
+/// Prints findings that belong to no text of their own.
+pub fn report_loose(findings: Vec<Finding>, sources: &Sources, format: Format) -> Exit {
+    let worst = findings.iter().map(|finding| finding.severity).max().unwrap_or(Severity::Allow);
+    let all: Vec<Located<'_>> = findings.into_iter().map(|finding| Located { finding, sources }).collect();
+    output::findings(&all, format, false, true);
+    Exit::of(worst)
+}
+
+/// The settings of the command line.
+pub fn overrides(settings: &args::Settings) -> Overrides {
+    let args::Settings { width, height, samples, max_depth, seed, camera: _ } = settings;
+    Overrides { width: *width, height: *height, samples: *samples, seed: *seed, max_depth: *max_depth }
+}
+
+/// The one scene of a file; findings are printed, and those that forbid to go on end the command.
+pub struct One {
+    pub project: Project,
+    pub path: VPath,
+    pub sources: Sources,
+    pub scene: Valid,
+    pub camera: Handle<Camera>,
+    /// BLAKE3 of everything that the scene was read from, settings of the command line included.
+    pub hash: String,
+    /// What lowering changed.
+    pub remarks: Vec<Finding>,
+}
+
+/// Reads, checks and prepares the scene in `file`.
+pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) -> Result<Result<One, Exit>, Failure> {
+    let project = Project::of(file)?;
+    if file.is_dir() {
+        return Err(Failure::new(Exit::Usage, format!("{} is a folder", file.display())).help("name one scene"));
+    }
+    let overrides = overrides(settings);
+    let files = check(&project, &[file.to_path_buf()], findings, overrides)?;
+    let (exit, _) = report(&files, Vec::new(), findings.format, false);
+    if exit != Exit::Done {
+        return Ok(Err(exit));
+    }
+    let Some(CheckedFile { path, checked, sources }) = files.into_iter().next() else { return Ok(Err(Exit::Fault)) };
+    let Some(scene) = checked.scene else {
+        let what = if checked.library { "is a library: it has no `scene`" } else { "gives no scene" };
+        return Err(Failure::new(Exit::Input, format!("{path} {what}")).help("name a scene that uses it"));
+    };
+    let hash = hash(&checked.inputs, overrides);
+    let camera = camera(&scene, settings.camera.as_deref())?;
+    match pipeline::prepare(scene) {
+        Ok((scene, remarks)) => Ok(Ok(One { project, path, sources, scene, camera, hash, remarks })),
+        Err(invalid) => Ok(Err(report_loose(invalid, &sources, findings.format))),
+    }
+}
+
+fn camera(scene: &Scene, name: Option<&str>) -> Result<Handle<Camera>, Failure> {
+    pipeline::camera(scene, name).ok_or_else(|| {
+        let known: Vec<&str> = scene.cameras.values().filter_map(|camera| camera.name.as_deref()).collect();
+        let failure = Failure::new(Exit::Usage, format!("the scene has no camera `{}`", name.unwrap_or_default()));
+        if known.is_empty() {
+            failure.help("its only camera has no name: leave out `--camera`")
+        } else {
+            failure.help(format!("it has {}", known.join(", ")))
+        }
+    })
+}
+
+fn hash(inputs: &std::collections::BTreeMap<VPath, ltsc_core::files::Bytes>, overrides: Overrides) -> String {
+    let mut hasher = blake3::Hasher::new();
+    for (path, bytes) in inputs {
+        // Lengths keep two different lists of files from looking alike.
+        hasher.update(&(path.as_str().len() as u64).to_le_bytes());
+        hasher.update(path.as_str().as_bytes());
+        hasher.update(&(bytes.len() as u64).to_le_bytes());
+        hasher.update(bytes);
+    }
+    hasher.update(format!("{overrides:?}").as_bytes());
+    hasher.finalize().to_hex().to_string()
+}

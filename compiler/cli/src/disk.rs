@@ -1,0 +1,294 @@
+//! The disk: [`DiskFiles`] reads below a root, [`DiskSink`] writes folders that hold exactly what a scene became.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs::{self, File};
+use std::io::{self, BufReader, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+use ltsc_core::files::{Bytes, Files, ReadError, Sink, VPath};
+use memmap2::Mmap;
+use serde::{Deserialize, Serialize};
+
+/// Files of this size and more are mapped, smaller ones read: a map costs more than a short copy.
+const MAP_FROM: u64 = 1 << 16;
+
+/// Reads files below a root folder; links that leave it are refused.
+pub struct DiskFiles {
+    /// Without links.
+    root: PathBuf,
+}
+
+impl DiskFiles {
+    /// Reads below `root`.
+    pub fn new(root: &Path) -> io::Result<Self> {
+        Ok(Self { root: fs::canonicalize(root)? })
+    }
+
+    /// The path of `file` below the root, if it is there.
+    pub fn path_of(&self, file: &Path) -> Option<VPath> {
+        // The file itself may be missing: its folder tells where it would be.
+        let whole = fs::canonicalize(file).or_else(|_| {
+            let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+            fs::canonicalize(folder).map(|folder| folder.join(file.file_name().unwrap_or_default()))
+        });
+        let below = whole.ok()?.strip_prefix(&self.root).ok()?.to_path_buf();
+        let parts: Option<Vec<&str>> = below.components().map(|part| part.as_os_str().to_str()).collect();
+        VPath::resolve("", &parts?.join("/")).ok()
+    }
+}
+
+impl Files for DiskFiles {
+    fn read(&self, path: &VPath, limit: u64) -> Result<Bytes, ReadError> {
+        let full = self.root.join(path.as_str());
+        let other = |error: io::Error| match error.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => ReadError::Missing { beside: beside(&full) },
+            _ => ReadError::Other(error.to_string()),
+        };
+        let real = fs::canonicalize(&full).map_err(other)?;
+        if !real.starts_with(&self.root) {
+            return Err(ReadError::Outside);
+        }
+        let meta = fs::metadata(&real).map_err(other)?;
+        if !meta.is_file() {
+            return Err(ReadError::Other(
+                if meta.is_dir() { "it is a folder" } else { "it is no regular file" }.to_owned(),
+            ));
+        }
+        let size = meta.len();
+        if size > limit {
+            return Err(ReadError::TooLarge { size, limit });
+        }
+        let file = File::open(&real).map_err(other)?;
+        if size < MAP_FROM {
+            let mut bytes = Vec::with_capacity(size as usize);
+            file.take(limit).read_to_end(&mut bytes).map_err(other)?;
+            return Ok(Bytes::new(bytes));
+        }
+        #[expect(unsafe_code, reason = "memory maps are unsafe: another process could cut the file while it is read")]
+        // SAFETY: the map is read-only and private to this process. A file that shrinks under it ends the process with a
+        // bus error, as it does in the renderers that map their meshes; ltsc never writes a file that it reads.
+        let map = unsafe { Mmap::map(&file) }.map_err(other)?;
+        Ok(Bytes::new(map))
+    }
+}
+
+/// Names in the same folder, for "did you mean".
+fn beside(path: &Path) -> Vec<String> {
+    let Some(entries) = path.parent().and_then(|folder| fs::read_dir(folder).ok()) else { return Vec::new() };
+    let names = entries.take(1000).filter_map(|entry| entry.ok()?.file_name().into_string().ok());
+    let sorted: BTreeSet<String> = names.collect();
+    sorted.into_iter().collect()
+}
+
+/// The name of the file that says which files of a folder are ours.
+pub const MANIFEST: &str = "manifest.json";
+
+/// Which files a folder holds, by path below it, and their content.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Manifest {
+    /// Always "ltsc".
+    pub generator: String,
+    /// The scene.
+    pub scene: String,
+    /// BLAKE3 of each file.
+    pub files: BTreeMap<String, String>,
+}
+
+impl Manifest {
+    /// The manifest of a folder; none where there is none of ours.
+    pub fn read(folder: &Path) -> Option<Self> {
+        let bytes = fs::read(folder.join(MANIFEST)).ok()?;
+        let manifest: Self = serde_json::from_slice(&bytes).ok()?;
+        (manifest.generator == "ltsc").then_some(manifest)
+    }
+
+    fn bytes(&self) -> Vec<u8> {
+        let mut text = serde_json::to_vec_pretty(self).unwrap_or_default();
+        text.push(b'\n');
+        text
+    }
+}
+
+/// What happened, or with `check` would happen, to the files of a folder.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Changes {
+    /// Written, new or with other content.
+    pub written: Vec<String>,
+    /// Already as they should be.
+    pub same: usize,
+    /// Ours, and no longer part of the scene.
+    pub removed: Vec<String>,
+}
+
+impl Changes {
+    /// Whether there was nothing to do.
+    pub fn is_empty(&self) -> bool {
+        self.written.is_empty() && self.removed.is_empty()
+    }
+}
+
+/// Writes one folder. Each file is compared with what is there and written, under another name and renamed, only where
+/// it differs.
+pub struct DiskSink {
+    folder: PathBuf,
+    check: bool,
+    manifest: Manifest,
+    changes: Changes,
+}
+
+impl DiskSink {
+    /// Writes below `folder`; with `check` nothing is written. A folder with files of someone else's is refused unless
+    /// `force`.
+    pub fn new(folder: &Path, scene: &str, check: bool, force: bool) -> io::Result<Self> {
+        let occupied = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
+        if occupied && !check && !force && Manifest::read(folder).is_none() {
+            let message = "the folder is not empty, and ltsc did not write it";
+            return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
+        }
+        let manifest = Manifest { generator: "ltsc".to_owned(), scene: scene.to_owned(), files: BTreeMap::new() };
+        Ok(Self { folder: folder.to_path_buf(), check, manifest, changes: Changes::default() })
+    }
+
+    /// Leaves files that `keep` says yes to as the last writing left them.
+    pub fn keep(&mut self, keep: impl Fn(&str) -> bool) {
+        let before = Manifest::read(&self.folder).unwrap_or_default();
+        let kept = before.files.into_iter().filter(|(path, _)| keep(path));
+        self.manifest.files.extend(kept);
+    }
+
+    /// A sink for a folder inside this one.
+    pub fn below(&mut self, name: &str) -> Below<'_> {
+        Below { sink: self, prefix: format!("{name}/") }
+    }
+
+    /// Ends the folder: files that were ours and are no longer part of it go, and the manifest is written.
+    pub fn finish(mut self) -> io::Result<Changes> {
+        let before = Manifest::read(&self.folder).unwrap_or_default();
+        for path in before.files.keys().filter(|path| !self.manifest.files.contains_key(*path)) {
+            // A manifest is a file like any other: it must not lead out of the folder.
+            let Ok(inside) = VPath::resolve("", path) else { continue };
+            let full = self.folder.join(inside.as_str());
+            if fs::symlink_metadata(&full).is_ok_and(|meta| meta.is_file()) {
+                self.changes.removed.push(path.clone());
+                if !self.check {
+                    fs::remove_file(&full)?;
+                    remove_empty_folders(&self.folder, &full);
+                }
+            }
+        }
+        let bytes = self.manifest.bytes();
+        let same = fs::read(self.folder.join(MANIFEST)).is_ok_and(|old| old == bytes);
+        if !same {
+            self.changes.written.push(MANIFEST.to_owned());
+            if !self.check {
+                write_atomically(&self.folder.join(MANIFEST), &mut |out| out.write_all(&bytes))?;
+            }
+        }
+        Ok(self.changes)
+    }
+}
+
+impl Sink for DiskSink {
+    fn file(&mut self, path: &str, write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+        let full = self.folder.join(path);
+        let mut out = BufWriter::with_capacity(1 << 18, Compare::new(&full));
+        write(&mut out)?;
+        let (same, hash) = out.into_inner().map_err(io::IntoInnerError::into_error)?.finish();
+        self.manifest.files.insert(path.to_owned(), hash);
+        if same {
+            self.changes.same += 1;
+            return Ok(());
+        }
+        self.changes.written.push(path.to_owned());
+        if self.check { Ok(()) } else { write_atomically(&full, write) }
+    }
+}
+
+/// A folder inside the folder of a [`DiskSink`].
+pub struct Below<'s> {
+    sink: &'s mut DiskSink,
+    prefix: String,
+}
+
+impl Sink for Below<'_> {
+    fn file(&mut self, path: &str, write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+        self.sink.file(&format!("{}{path}", self.prefix), write)
+    }
+}
+
+/// Writes a file under another name in its folder and renames it.
+pub fn write_atomically(path: &Path, write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    fs::create_dir_all(folder)?;
+    let temporary = tempfile::Builder::new().prefix(".ltsc-").permissions_of_files().tempfile_in(folder)?;
+    let mut out = BufWriter::with_capacity(1 << 18, temporary);
+    write(&mut out)?;
+    let temporary = out.into_inner().map_err(io::IntoInnerError::into_error)?;
+    temporary.persist(path).map_err(|error| error.error)?;
+    Ok(())
+}
+
+/// Temporary files are private; the files that they become are as any other new file.
+trait PermissionsOfFiles {
+    fn permissions_of_files(&mut self) -> &mut Self;
+}
+
+impl PermissionsOfFiles for tempfile::Builder<'_, '_> {
+    #[cfg(unix)]
+    fn permissions_of_files(&mut self) -> &mut Self {
+        use std::os::unix::fs::PermissionsExt;
+        // The process's mask takes away from these what it takes away from every new file.
+        self.permissions(fs::Permissions::from_mode(0o666))
+    }
+
+    #[cfg(not(unix))]
+    fn permissions_of_files(&mut self) -> &mut Self {
+        self
+    }
+}
+
+fn remove_empty_folders(top: &Path, file: &Path) {
+    let mut folder = file.parent();
+    while let Some(path) = folder.filter(|path| *path != top && path.starts_with(top)) {
+        if fs::remove_dir(path).is_err() {
+            break;
+        }
+        folder = path.parent();
+    }
+}
+
+/// Compares what is written with a file, and hashes it.
+struct Compare {
+    old: Option<BufReader<File>>,
+    buffer: Vec<u8>,
+    hasher: blake3::Hasher,
+}
+
+impl Compare {
+    fn new(path: &Path) -> Self {
+        let old = File::open(path).ok().map(|file| BufReader::with_capacity(1 << 18, file));
+        Self { old, buffer: Vec::new(), hasher: blake3::Hasher::new() }
+    }
+
+    fn finish(mut self) -> (bool, String) {
+        let ended = self.old.as_mut().is_some_and(|old| old.read(&mut [0]).is_ok_and(|more| more == 0));
+        (ended, self.hasher.finalize().to_hex().to_string())
+    }
+}
+
+impl Write for Compare {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.hasher.update(bytes);
+        if let Some(old) = &mut self.old {
+            self.buffer.resize(bytes.len(), 0);
+            if old.read_exact(&mut self.buffer).is_err() || self.buffer != bytes {
+                self.old = None;
+            }
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}

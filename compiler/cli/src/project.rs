@@ -1,0 +1,202 @@
+//! The project that a command works on: `ltsc.toml`, and the scenes below a folder.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ltsc_core::formats::{self, TARGETS, Target};
+use ltsc_core::lint::{self, Level, Levels};
+use serde::Deserialize;
+
+use crate::args;
+use crate::output::{Exit, Failure};
+
+/// The name of the project file.
+pub const FILE: &str = "ltsc.toml";
+
+/// What `ltsc.toml` says. Unknown keys are errors.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Text {
+    scenes: Option<String>,
+    generated: Option<String>,
+    targets: Option<Vec<String>>,
+    #[serde(default)]
+    rules: BTreeMap<String, String>,
+    #[serde(default)]
+    renderers: BTreeMap<String, RendererText>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RendererText {
+    executable: Option<PathBuf>,
+}
+
+/// A project, or what stands in for one.
+pub struct Project {
+    /// Scenes read files below this folder only.
+    pub root: PathBuf,
+    /// Where scenes are looked for.
+    pub scenes: PathBuf,
+    /// Where they are generated.
+    pub generated: PathBuf,
+    /// For what they are generated.
+    pub targets: Vec<&'static Target>,
+    /// Rule levels that differ from the built-in ones.
+    pub levels: Levels,
+    /// Executables of renderers, by name.
+    pub executables: BTreeMap<String, PathBuf>,
+}
+
+impl Project {
+    /// The project of `path`: the nearest folder upward with an `ltsc.toml`; without one, the folder itself, or for a
+    /// file the parent of its folder.
+    pub fn of(path: &Path) -> Result<Self, Failure> {
+        let real = fs::canonicalize(path)
+            .map_err(|error| Failure::new(Exit::Input, format!("{} cannot be read: {error}", path.display())))?;
+        if let Some(folder) = real.ancestors().find(|folder| folder.join(FILE).is_file()) {
+            return Self::load(folder);
+        }
+        let folder = if real.is_dir() { real.as_path() } else { real.parent().unwrap_or(Path::new("/")) };
+        let root = if real.is_dir() { folder } else { folder.parent().unwrap_or(folder) };
+        let beside = folder.parent().unwrap_or(folder).join("generated");
+        Ok(Self {
+            root: root.to_path_buf(),
+            scenes: folder.to_path_buf(),
+            generated: beside,
+            targets: TARGETS.iter().collect(),
+            levels: Levels::new(),
+            executables: BTreeMap::new(),
+        })
+    }
+
+    /// The project that the current folder belongs to; it must have an `ltsc.toml`.
+    pub fn here() -> Result<Self, Failure> {
+        let current = std::env::current_dir()
+            .map_err(|error| Failure::new(Exit::Environment, format!("the current folder is not there: {error}")))?;
+        match current.ancestors().find(|folder| folder.join(FILE).is_file()) {
+            Some(folder) => Self::load(folder),
+            None => Err(Failure::new(Exit::Usage, format!("there is no `{FILE}` in this folder or above it"))
+                .help("name a scene or a folder of scenes, or write an `ltsc.toml` (it may be empty)")),
+        }
+    }
+
+    fn load(folder: &Path) -> Result<Self, Failure> {
+        let file = folder.join(FILE);
+        let bad = |message: String| Failure::new(Exit::Input, format!("{}: {message}", file.display()));
+        let text = fs::read_to_string(&file).map_err(|error| bad(error.to_string()))?;
+        let Text { scenes, generated, targets, rules, renderers } =
+            toml::from_str(&text).map_err(|error| bad(error.to_string().trim_end().to_owned()))?;
+        let inside = |key: &str, value: Option<String>, default: &str| {
+            let value = value.unwrap_or_else(|| default.to_owned());
+            if value == "." {
+                return Ok(folder.to_path_buf());
+            }
+            let path = ltsc_core::files::VPath::resolve("", value.trim_end_matches('/'));
+            path.map(|path| folder.join(path.as_str())).map_err(|error| bad(format!("`{key}`: {error}")))
+        };
+        let targets = match targets {
+            None => TARGETS.iter().collect(),
+            Some(names) => names
+                .iter()
+                .map(|name| target(name).map_err(|problem| bad(problem.message)))
+                .collect::<Result<_, _>>()?,
+        };
+        let mut levels = Levels::new();
+        for (id, word) in rules {
+            known_rule(&id).map_err(|problem| bad(problem.message))?;
+            let level = Level::from_word(&word)
+                .ok_or_else(|| bad(format!("rule `{id}`: a level is allow, warn or deny, not `{word}`")))?;
+            levels.insert(id, level);
+        }
+        let mut executables = BTreeMap::new();
+        for (name, RendererText { executable }) in renderers {
+            let driver =
+                ltsc_render::run::driver(&name).ok_or_else(|| bad(format!("there is no renderer `{name}`")))?;
+            if let Some(executable) = executable {
+                // A bare name is looked up on PATH by the system; a path is seen from the project's folder.
+                let plain = executable.components().count() == 1;
+                executables.insert(driver.name.to_owned(), if plain { executable } else { folder.join(executable) });
+            }
+        }
+        Ok(Self {
+            root: folder.to_path_buf(),
+            scenes: inside("scenes", scenes, "scenes-src")?,
+            generated: inside("generated", generated, "generated")?,
+            targets,
+            levels,
+            executables,
+        })
+    }
+
+    /// The levels with what the command line says about them.
+    pub fn levels_with(&self, findings: &args::Findings) -> Result<Levels, Failure> {
+        let mut levels = self.levels.clone();
+        let given = [(Level::Allow, &findings.allow), (Level::Warn, &findings.warn), (Level::Deny, &findings.deny)];
+        for (level, id) in given.into_iter().flat_map(|(level, ids)| ids.iter().map(move |id| (level, id))) {
+            known_rule(id)?;
+            levels.insert(id.clone(), level);
+        }
+        Ok(levels)
+    }
+}
+
+fn known_rule(id: &str) -> Result<(), Failure> {
+    if lint::find(id).is_some() {
+        return Ok(());
+    }
+    let known: Vec<&str> = lint::RULES.iter().map(|rule| rule.id).collect();
+    let failure = Failure::new(Exit::Usage, format!("there is no rule `{id}`"));
+    Err(match ltsc_core::diag::nearest(id, known.iter().copied()) {
+        Some(similar) => failure.help(format!("did you mean `{similar}`?")),
+        None => failure.help(format!("known are {}", known.join(", "))),
+    })
+}
+
+/// The target called `name`.
+pub fn target(name: &str) -> Result<&'static Target, Failure> {
+    if let Some(target) = formats::find(name) {
+        return Ok(target);
+    }
+    let names = TARGETS.iter().flat_map(|target| std::iter::once(target.name).chain(target.aliases.iter().copied()));
+    let failure = Failure::new(Exit::Usage, format!("there is no target `{name}`"));
+    Err(match ltsc_core::diag::nearest(name, names.clone()) {
+        Some(similar) => failure.help(format!("did you mean `{similar}`?")),
+        None => failure.help(format!("known are {}", names.collect::<Vec<_>>().join(", "))),
+    })
+}
+
+/// The scene files that `path` stands for: itself, or all `.lts` files below it, sorted. Hidden folders and links to
+/// folders are passed over.
+pub fn scene_files(path: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let unreadable = |path: &Path, error: std::io::Error| {
+        Failure::new(Exit::Input, format!("{} cannot be read: {error}", path.display()))
+    };
+    let meta = fs::metadata(path).map_err(|error| unreadable(path, error))?;
+    if !meta.is_dir() {
+        return Ok(vec![path.to_path_buf()]);
+    }
+    let mut found = Vec::new();
+    let mut folders = vec![path.to_path_buf()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(&folder).map_err(|error| unreadable(&folder, error))? {
+            let entry = entry.map_err(|error| unreadable(&folder, error))?;
+            if entry.file_name().to_string_lossy().starts_with('.') {
+                continue;
+            }
+            let kind = entry.file_type().map_err(|error| unreadable(&folder, error))?;
+            if kind.is_dir() {
+                folders.push(entry.path());
+            } else if entry.path().extension().is_some_and(|ending| ending == "lts") {
+                found.push(entry.path());
+            }
+        }
+    }
+    found.sort();
+    if found.is_empty() {
+        return Err(Failure::new(Exit::Usage, format!("there is no scene below {}", path.display()))
+            .help("scenes are files ending in `.lts`"));
+    }
+    Ok(found)
+}

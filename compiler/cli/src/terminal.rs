@@ -1,0 +1,252 @@
+//! The terminal: colours, excerpts through miette, progress bars.
+
+use std::fmt::Write as _;
+use std::io::{IsTerminal, Write as _};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use ltsc_core::diag::{Finding, Origin, Severity, Sources};
+use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
+
+use crate::args::Choice;
+use crate::output::severity_word;
+
+static CHOICE: AtomicU8 = AtomicU8::new(0);
+
+/// Remembers what `--color` says.
+pub fn choose(choice: Choice) {
+    let code = match choice {
+        Choice::Auto => 0,
+        Choice::Always => 1,
+        Choice::Never => 2,
+    };
+    CHOICE.store(code, Ordering::Relaxed);
+}
+
+/// Whether to colour one of the two outputs.
+pub fn colored(to_stdout: bool) -> bool {
+    match CHOICE.load(Ordering::Relaxed) {
+        1 => true,
+        2 => false,
+        _ => {
+            let set = |name: &str| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+            let terminal = if to_stdout { std::io::stdout().is_terminal() } else { std::io::stderr().is_terminal() };
+            terminal && !set("NO_COLOR") && std::env::var_os("TERM").is_none_or(|term| term != "dumb")
+        }
+    }
+}
+
+/// Writes to standard output; ends the process if nobody reads it any more, as in `ltsc explain | head`.
+pub fn print(text: &str) {
+    let mut out = std::io::stdout().lock();
+    if out.write_all(text.as_bytes()).and_then(|()| out.flush()).is_err() {
+        std::process::exit(0);
+    }
+}
+
+fn styled(code: &str, text: &str, to_stdout: bool) -> String {
+    if colored(to_stdout) { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
+}
+
+/// Bold text.
+pub fn strong(text: &str, to_stdout: bool) -> String {
+    styled("1", text, to_stdout)
+}
+
+/// Says to standard error what went wrong.
+pub fn error(message: &str) {
+    say(&format!("{} {message}", styled("1;31", "error:", false)));
+}
+
+/// Says to standard error what can be done.
+pub fn help(message: &str) {
+    say(&format!("{} {message}", styled("1;36", " help:", false)));
+}
+
+/// Says something to standard error.
+pub fn say(message: &str) {
+    let _written = writeln!(std::io::stderr(), "{message}");
+}
+
+/// The text of a panic.
+pub fn panic_text(payload: &(dyn std::any::Any + Send)) -> String {
+    let text = payload.downcast_ref::<String>().map(String::as_str).or_else(|| payload.downcast_ref::<&str>().copied());
+    text.unwrap_or("unknown").to_owned()
+}
+
+/// A finding with its excerpt.
+pub fn graphical(finding: &Finding, sources: &Sources, to_stdout: bool) -> String {
+    let theme = match (colored(to_stdout), unicode()) {
+        (true, true) => GraphicalTheme::unicode(),
+        (true, false) => GraphicalTheme { characters: miette::ThemeCharacters::ascii(), ..GraphicalTheme::unicode() },
+        (false, true) => GraphicalTheme::unicode_nocolor(),
+        (false, false) => GraphicalTheme::none(),
+    };
+    let handler = GraphicalReportHandler::new_themed(theme).with_width(width()).with_links(false);
+    let mut text = String::new();
+    let shown = Shown::new(finding, sources);
+    if handler.render_report(&mut text, &shown).is_err() {
+        let _written = writeln!(text, "{}: {}", severity_word(finding.severity), finding.message);
+    }
+    for remark in &shown.remarks {
+        let _written = writeln!(text, "  {remark}");
+    }
+    for note in &finding.notes {
+        let _written = writeln!(text, "  {} {note}", styled("1;34", "note:", to_stdout));
+    }
+    for help in &finding.help {
+        let _written = writeln!(text, "  {} {help}", styled("1;36", "help:", to_stdout));
+    }
+    text.push('\n');
+    text
+}
+
+/// Whether the terminal shows more than ASCII. An unset locale is that of containers, whose terminals do.
+fn unicode() -> bool {
+    let locale = ["LC_ALL", "LC_CTYPE", "LANG"]
+        .iter()
+        .find_map(|name| std::env::var(name).ok().filter(|value| !value.is_empty()));
+    let plain =
+        |locale: &str| matches!(locale, "C" | "POSIX") || locale.to_ascii_lowercase().replace('-', "").contains("utf8");
+    locale.is_none_or(|locale| plain(&locale))
+}
+
+/// Columns of the terminal, as the shell tells them, else 110.
+fn width() -> usize {
+    let columns = std::env::var("COLUMNS").ok().and_then(|value| value.parse().ok());
+    columns.unwrap_or(110_usize).clamp(60, 160)
+}
+
+/// A finding as miette sees it: one file and the labels in it.
+#[derive(Debug)]
+struct Shown {
+    id: &'static str,
+    severity: Severity,
+    message: String,
+    source: Option<NamedSource<Arc<str>>>,
+    labels: Vec<LabeledSpan>,
+    /// Places that are in no excerpt.
+    remarks: Vec<String>,
+}
+
+impl Shown {
+    fn new(finding: &Finding, sources: &Sources) -> Self {
+        let Finding { id, severity, message, origin, label, labels, notes: _, help: _ } = finding;
+        let mut shown = Self {
+            id,
+            severity: *severity,
+            message: message.clone(),
+            source: None,
+            labels: Vec::new(),
+            remarks: Vec::new(),
+        };
+        match origin {
+            Origin::Text(span) => {
+                let file = sources.get(span.file);
+                let text = (!label.is_empty()).then(|| label.clone());
+                let range = (span.start as usize, (span.end - span.start) as usize);
+                shown.labels.push(LabeledSpan::new_primary_with_span(text, range));
+                shown.source = Some(NamedSource::new(&file.path, Arc::clone(&file.text)));
+            }
+            Origin::File { path, place } => {
+                let place = if place.is_empty() { path.clone() } else { format!("{path}, {place}") };
+                shown.remarks.push(format!("in {place}"));
+                shown.remarks.extend((!label.is_empty()).then(|| label.clone()));
+            }
+            Origin::Made => {}
+        }
+        for other in labels {
+            if origin.span().is_some_and(|span| span.file == other.span.file) {
+                let range = (other.span.start as usize, (other.span.end - other.span.start) as usize);
+                shown.labels.push(LabeledSpan::new_with_span(Some(other.text.clone()), range));
+            } else {
+                let at = sources.position(other.span.file, other.span.start);
+                let path = &sources.get(other.span.file).path;
+                shown.remarks.push(format!("{path}:{}:{}: {}", at.line, at.column, other.text));
+            }
+        }
+        shown
+    }
+}
+
+impl std::fmt::Display for Shown {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.message)
+    }
+}
+
+impl std::error::Error for Shown {}
+
+impl Diagnostic for Shown {
+    fn code<'a>(&'a self) -> Option<Box<dyn std::fmt::Display + 'a>> {
+        Some(Box::new(self.id))
+    }
+
+    fn severity(&self) -> Option<miette::Severity> {
+        Some(match self.severity {
+            Severity::Error | Severity::Deny => miette::Severity::Error,
+            Severity::Warn => miette::Severity::Warning,
+            Severity::Info | Severity::Allow => miette::Severity::Advice,
+        })
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.source.as_ref().map(|source| source as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        if self.labels.is_empty() { None } else { Some(Box::new(self.labels.iter().cloned())) }
+    }
+}
+
+/// A progress bar on standard error that appears after a second, and only on a terminal.
+pub struct Bar {
+    bar: ProgressBar,
+    started: Instant,
+    hidden: bool,
+}
+
+impl Bar {
+    /// A bar that counts to `total`, or spins where that is 0.
+    pub fn new(total: u64, what: &str) -> Self {
+        let bar = ProgressBar::with_draw_target(Some(total.max(1)), ProgressDrawTarget::hidden());
+        let template = if total > 0 {
+            "{msg:24!} {wide_bar} {percent:>3} %  {elapsed} of about {duration}"
+        } else {
+            "{spinner} {wide_msg} {elapsed}"
+        };
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        bar.set_message(what.to_owned());
+        Self { bar, started: Instant::now(), hidden: true }
+    }
+
+    fn appear(&mut self) {
+        let shown = std::io::stderr().is_terminal();
+        if self.hidden && shown && self.started.elapsed() > Duration::from_secs(1) {
+            self.bar.set_draw_target(ProgressDrawTarget::stderr());
+            self.hidden = false;
+        }
+    }
+
+    /// Moves the bar.
+    pub fn set(&mut self, done: u64) {
+        self.appear();
+        self.bar.set_position(done);
+    }
+
+    /// Changes the words and turns the spinner.
+    pub fn say(&mut self, what: &str) {
+        self.appear();
+        self.bar.set_message(what.to_owned());
+        self.bar.tick();
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
