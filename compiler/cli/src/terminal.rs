@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicU8, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use ltsc_core::diag::{Finding, Origin, Severity, Sources};
+use ltsc_core::diag::{Finding, Origin, Severity, Sources, Span};
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
 
 use crate::args::Choice;
@@ -96,7 +96,7 @@ pub fn graphical(finding: &Finding, sources: &Sources, to_stdout: bool) -> Strin
     for note in &finding.notes {
         let _written = writeln!(text, "  {} {note}", styled("1;34", "note:", to_stdout));
     }
-    for help in &finding.help {
+    if let Some(help) = &finding.help {
         let _written = writeln!(text, "  {} {help}", styled("1;36", "help:", to_stdout));
     }
     text.push('\n');
@@ -143,6 +143,11 @@ impl Shown {
             remarks: Vec::new(),
         };
         match origin {
+            Origin::Text(span) if line_length(&sources.get(span.file).text, *span) > LONGEST_LINE => {
+                let at = sources.position(span.file, span.start);
+                let label = if label.is_empty() { String::new() } else { format!(": {label}") };
+                shown.remarks.push(format!("{}:{}:{}{label}", sources.get(span.file).path, at.line, at.column));
+            }
             Origin::Text(span) => {
                 let file = sources.get(span.file);
                 let text = (!label.is_empty()).then(|| label.clone());
@@ -158,7 +163,7 @@ impl Shown {
             Origin::Made => {}
         }
         for other in labels {
-            if origin.span().is_some_and(|span| span.file == other.span.file) {
+            if shown.source.is_some() && origin.span().is_some_and(|span| span.file == other.span.file) {
                 let range = (other.span.start as usize, (other.span.end - other.span.start) as usize);
                 shown.labels.push(LabeledSpan::new_with_span(Some(other.text.clone()), range));
             } else {
@@ -169,6 +174,19 @@ impl Shown {
         }
         shown
     }
+}
+
+/// Lines longer than this many bytes are machine-made and are not shown.
+const LONGEST_LINE: usize = 400;
+
+/// Bytes of the lines that a span lies in, with the lines between them.
+fn line_length(text: &str, span: Span) -> usize {
+    let (start, end) = ((span.start as usize).min(text.len()), (span.end as usize).min(text.len()));
+    let bytes = text.as_bytes();
+    let before = bytes[..start].iter().rev().take_while(|byte| **byte != b'\n').count();
+    let after = bytes[end..].iter().take_while(|byte| **byte != b'\n').count();
+    let inner = bytes[start..end].split(|byte| *byte == b'\n').map(<[u8]>::len).max().unwrap_or(0);
+    before + inner + after
 }
 
 impl std::fmt::Display for Shown {

@@ -161,7 +161,13 @@ pub fn install(request: &InstallRequest, progress: &mut dyn FnMut(InstallProgres
     };
     pip("download", &["--cache-dir".as_ref(), downloads.as_os_str(), "--dest".as_ref(), wheels.as_os_str()], progress)?;
     let options = ["--no-index", "--no-cache-dir", "--no-warn-script-location", "--find-links"].map(OsStr::new);
-    pip("install", &[&options[..], &[wheels.as_os_str()]].concat(), progress)?;
+    let unpacked = pip("install", &[&options[..], &[wheels.as_os_str()]].concat(), progress);
+    if unpacked.is_err() {
+        // A download that was cut off may be the cause, and without a checksum from the index pip
+        // would keep it.
+        let _ = fs::remove_dir_all(&wheels);
+    }
+    unpacked?;
 
     progress(InstallProgress::Step(Step::Verification));
     let version = verify::verify(driver, &python, &folder, request.cancel.clone())?;

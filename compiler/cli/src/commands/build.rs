@@ -15,11 +15,11 @@ use serde_json::json;
 
 use crate::args::{Build, Format};
 use crate::disk::{Changes, DiskSink, MANIFEST, Manifest};
-use crate::output::{Exit, Failure, Located};
+use crate::output::{self, Exit, Failure, Located};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
 
-use super::shared::{CheckedFile, check, files_of, report};
+use super::shared::{CheckedFile, check, files_of, losses, report};
 
 /// A scene that can be written.
 struct Ready<'f> {
@@ -71,10 +71,7 @@ fn build(
     let (ready, invalid) = prepare(&checked);
     let mut more: Vec<Located<'_>> = invalid;
     for ready in &ready {
-        let losses = targets.iter().flat_map(|target| pipeline::losses(&ready.scene, target));
-        more.extend(
-            ready.remarks.iter().cloned().chain(losses).map(|finding| Located { finding, sources: ready.sources }),
-        );
+        more.extend(ready.remarks.iter().map(|finding| Located { finding: finding.clone(), sources: ready.sources }));
     }
     let json = command.findings.format == Format::Json;
     let shown = if json { Format::Short } else { command.findings.format };
@@ -86,6 +83,11 @@ fn build(
     if let Some((name, first, second)) = twins(&ready) {
         return Err(Failure::new(Exit::Input, format!("two scenes are named `{name}`: {first} and {second}"))
             .help("rename one of them"));
+    }
+    let scenes: Vec<(&Valid, &Sources)> = ready.iter().map(|ready| (&ready.scene, ready.sources)).collect();
+    let lost = losses(&scenes, targets, if command.check { Format::Short } else { shown });
+    if !command.check {
+        output::findings(&lost, shown, false, true);
     }
     let bar = std::sync::Mutex::new((Bar::new(ready.len() as u64, "building"), 0));
     let built: Vec<Result<Built, Failure>> = ready

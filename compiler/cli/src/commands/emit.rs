@@ -10,7 +10,7 @@ use crate::output::{Exit, Failure};
 use crate::project;
 use crate::terminal;
 
-use super::shared::{one, report_loose};
+use super::shared::one;
 
 pub fn run(command: &Emit) -> Result<Exit, Failure> {
     let target = project::target(&command.target)?;
@@ -19,9 +19,7 @@ pub fn run(command: &Emit) -> Result<Exit, Failure> {
         Ok(scene) => scene,
         Err(exit) => return Ok(exit),
     };
-    let mut remarks = scene.remarks.clone();
-    remarks.extend(pipeline::losses(&scene.scene, target));
-    report_loose(remarks, &scene.sources, command.findings.format);
+    scene.report_losses(target, command.findings.format);
     let name = format!("{}-{}", scene.scene.name, target.name);
     let folder = command.output.clone().unwrap_or_else(|| PathBuf::from(name));
     let unwritable = |error: std::io::Error| {
@@ -36,7 +34,7 @@ pub fn run(command: &Emit) -> Result<Exit, Failure> {
     pipeline::emit_alone(&scene.scene, scene.camera, target, &mut sink).map_err(unwritable)?;
     let changes = sink.finish().map_err(unwritable)?;
     if command.findings.format == Format::Human {
-        let main = folder.join(target.main_file.replace("SCENE", &scene.scene.name));
+        let main = folder.join(target.main_file_of(&scene.scene.name));
         let what = if changes.is_empty() { "is up to date" } else { "written" };
         terminal::say(&format!("{} {what}", main.display()));
     }

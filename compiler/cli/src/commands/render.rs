@@ -19,7 +19,7 @@ use crate::output::{Exit, Failure};
 use crate::project;
 use crate::terminal::{self, Bar};
 
-use super::shared::{One, one, report_loose};
+use super::shared::{One, one};
 
 pub fn run(command: &Render) -> Result<Exit, Failure> {
     let driver = find_driver(&command.renderer)?;
@@ -29,9 +29,7 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
         Err(exit) => return Ok(exit),
     };
     let target = project::target(driver.target)?;
-    let mut remarks = scene.remarks.clone();
-    remarks.extend(pipeline::losses(&scene.scene, target));
-    report_loose(remarks, &scene.sources, command.findings.format);
+    scene.report_losses(target, command.findings.format);
     let work = tempfile::Builder::new()
         .prefix("ltsc-render-")
         .tempdir()

@@ -3,9 +3,11 @@
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
+use ltsc_core::capability::{Feature, Support, features};
 use ltsc_core::diag::{Finding, Severity, Sources};
 use ltsc_core::eval::Overrides;
 use ltsc_core::files::VPath;
+use ltsc_core::formats::Target;
 use ltsc_core::ir::{Camera, Handle, Scene};
 use ltsc_core::pipeline::{self, Checked, Options};
 use ltsc_core::valid::Valid;
@@ -15,6 +17,7 @@ use crate::args::{self, Format};
 use crate::disk::DiskFiles;
 use crate::output::{self, Exit, Failure, Located};
 use crate::project::{self, Project};
+use crate::terminal;
 
 /// Findings shown to people before the rest is only counted.
 const SHOWN: usize = 100;
@@ -85,7 +88,7 @@ pub fn report(
         let rest = all.len() - SHOWN;
         all.truncate(SHOWN);
         output::findings(&all, format, to_stdout, true);
-        crate::terminal::say(&format!("... and {rest} more findings; `--format short` shows all"));
+        terminal::say(&format!("... and {rest} more findings; `--format short` shows all"));
     } else {
         output::findings(&all, format, to_stdout, true);
     }
@@ -100,6 +103,39 @@ pub fn report_loose(findings: Vec<Finding>, sources: &Sources, format: Format) -
     Exit::of(worst)
 }
 
+/// What targets cannot say exactly of scenes. People get a line for each target, programs a finding for each loss.
+pub fn losses<'s>(scenes: &[(&Valid, &'s Sources)], targets: &[&'static Target], format: Format) -> Vec<Located<'s>> {
+    if format != Format::Human {
+        let all = scenes.iter().flat_map(|(scene, sources)| {
+            let of = targets.iter().flat_map(|target| pipeline::losses(scene, target));
+            of.map(|finding| Located { finding, sources })
+        });
+        return all.collect();
+    }
+    for target in targets {
+        let (mut dropped, mut nearly) = (BTreeSet::new(), BTreeSet::new());
+        for (feature, _) in scenes.iter().flat_map(|(scene, _)| features(scene)) {
+            match (target.supports)(feature) {
+                Support::Exact => {}
+                Support::Approximate { .. } => {
+                    nearly.insert(feature);
+                }
+                Support::Unsupported { .. } => {
+                    dropped.insert(feature);
+                }
+            }
+        }
+        let list = |set: &BTreeSet<Feature>| set.iter().map(|feature| feature.name()).collect::<Vec<_>>().join(", ");
+        if !dropped.is_empty() {
+            terminal::say(&format!("{} cannot say: {}", target.name, list(&dropped)));
+        }
+        if !nearly.is_empty() {
+            terminal::say(&format!("{} says nearly: {}", target.name, list(&nearly)));
+        }
+    }
+    Vec::new()
+}
+
 /// The settings of the command line.
 pub fn overrides(settings: &args::Settings) -> Overrides {
     let args::Settings { width, height, samples, max_depth, seed, camera: _ } = settings;
@@ -109,14 +145,25 @@ pub fn overrides(settings: &args::Settings) -> Overrides {
 /// The one scene of a file; findings are printed, and those that forbid to go on end the command.
 pub struct One {
     pub project: Project,
-    pub path: VPath,
     pub sources: Sources,
     pub scene: Valid,
     pub camera: Handle<Camera>,
     /// BLAKE3 of everything that the scene was read from, settings of the command line included.
     pub hash: String,
     /// What lowering changed.
-    pub remarks: Vec<Finding>,
+    remarks: Vec<Finding>,
+}
+
+impl One {
+    /// Prints what lowering changed and what the target cannot say exactly.
+    pub fn report_losses(&self, target: &'static Target, format: Format) {
+        let mut all: Vec<Located<'_>> =
+            self.remarks.iter().map(|finding| Located { finding: finding.clone(), sources: &self.sources }).collect();
+        all.extend(losses(&[(&self.scene, &self.sources)], &[target], format));
+        if format == Format::Short {
+            output::findings(&all, format, false, true);
+        }
+    }
 }
 
 /// Reads, checks and prepares the scene in `file`.
@@ -139,7 +186,7 @@ pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) ->
     let hash = hash(&checked.inputs, overrides);
     let camera = camera(&scene, settings.camera.as_deref())?;
     match pipeline::prepare(scene) {
-        Ok((scene, remarks)) => Ok(Ok(One { project, path, sources, scene, camera, hash, remarks })),
+        Ok((scene, remarks)) => Ok(Ok(One { project, sources, scene, camera, hash, remarks })),
         Err(invalid) => Ok(Err(report_loose(invalid, &sources, findings.format))),
     }
 }

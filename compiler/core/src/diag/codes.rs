@@ -36,6 +36,9 @@ pub const CODES: &[Code] = &[
         "An argument has the right type and no meaning, such as a width of 0.\n`ltsc explain NAME` shows the range of each argument of a constructor.",
     ),
     code("invalid-camera", "A camera looks nowhere, or its angle of view is not between 0 and 180 degrees."),
+    code("invalid-emission", "An emitter's radiance is negative or not finite."),
+    code("invalid-film", "A film has no pixels, too many, or a filter without extent."),
+    code("invalid-integrator", "A path has no segments."),
     code("invalid-material", "A material's numbers are not finite or outside their range."),
     code(
         "invalid-mesh",
@@ -54,8 +57,10 @@ pub const CODES: &[Code] = &[
         "invalid-path-class",
         "A class of light paths is not written in Heckbert's notation.\nLetters are L, E, D, G and S, with `( ) | * +`.",
     ),
+    code("invalid-sampler", "A sampler takes no samples."),
     code("invalid-scene", "A scene has nothing to render: no shape, no camera, or an image without pixels."),
-    code("invalid-shape", "A shape's transform cannot be inverted, or its radiance is negative or not finite."),
+    code("invalid-shape", "A shape names a mesh or a material that the scene does not have."),
+    code("invalid-transform", "A shape's transform flattens, mirrors, or leaves the range of single precision."),
     code("list-limit", "A list has more than a million elements.\nThe limit keeps a scene from running without end."),
     code(
         "loss-approximated",

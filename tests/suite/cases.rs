@@ -1,0 +1,68 @@
+//! `tests/cases/`: inputs beside what is expected of them. Every case is linted by the binary; the expectation holds the
+//! exit code and every finding as people see it.
+
+use std::collections::BTreeSet;
+use std::fs;
+
+use super::{files_below, ltsc, root, run};
+
+/// Codes that no scene text can lead to today, each with what would.
+const BEYOND_TEXT: &[(&str, &str)] = &[
+    ("invalid-camera", "an importer: the constructor refuses first"),
+    ("invalid-emission", "an importer: the constructor refuses first"),
+    ("invalid-film", "an importer: the constructor refuses first"),
+    ("invalid-integrator", "an importer: the constructor refuses first"),
+    ("invalid-material", "an importer: the constructor refuses first"),
+    ("invalid-name", "an importer: the grammar refuses first"),
+    ("invalid-shape", "an importer: handles of the evaluator are right by construction"),
+    ("invalid-sampler", "an importer: the constructor refuses first"),
+    ("invalid-transform", "an importer: stages refuse first"),
+    ("loss-approximated", "emit, not lint: see `cli`"),
+    ("loss-baked", "emit, not lint: see `cli`"),
+    ("loss-dropped", "emit, not lint: see `cli`"),
+    ("invalid-scene", "emit, not lint: see `cli`"),
+    ("reflectance-over-one", "emit, not lint: see `cli`"),
+    ("not-text", "binary input: see `cli`"),
+];
+
+#[test]
+fn cases_give_the_findings_that_are_expected() {
+    let folder = root().join("tests/cases");
+    let mut seen = BTreeSet::new();
+    let mut expected = BTreeSet::new();
+    for path in files_below(&folder) {
+        if path.ends_with(".snap") {
+            expected.insert(path.trim_end_matches(".snap").to_owned());
+        }
+        if path.starts_with("meshes/") || path.starts_with("lib/") || !path.ends_with(".lts") {
+            continue;
+        }
+        let name = path.trim_end_matches(".lts").to_owned();
+        let ran = run(ltsc().current_dir(&folder).args(["lint", "--root", ".", path.as_str()]));
+        assert!(matches!(ran.code, Some(0 | 1 | 3)), "{path}: {:?}\n{}", ran.code, ran.err);
+        let shown = format!("exit code {}\n{}{}", ran.code.unwrap_or(-1), ran.out, ran.err);
+        let (folder_of, stem) = path.trim_end_matches(".lts").rsplit_once('/').unwrap_or(("", &name));
+        let mut settings = insta::Settings::clone_current();
+        settings.set_snapshot_path(folder.join(folder_of));
+        settings.set_prepend_module_to_snapshot(false);
+        settings.set_omit_expression(true);
+        settings.bind(|| insta::assert_snapshot!(stem.to_owned(), shown));
+        seen.insert(name);
+    }
+    let strays: Vec<&String> = expected.difference(&seen).collect();
+    assert!(strays.is_empty(), "expectations without a case: {strays:?}");
+    assert!(seen.len() >= 20, "only {} cases were found", seen.len());
+}
+
+#[test]
+fn every_code_is_shown_by_a_case() {
+    let folder = root().join("tests/cases");
+    let snapshots = files_below(&folder).into_iter().filter(|path| path.ends_with(".snap"));
+    let text: String = snapshots.map(|path| fs::read_to_string(folder.join(path)).expect("a snapshot")).collect();
+    let shown: BTreeSet<&str> = text.lines().map(str::trim).collect();
+    let codes =
+        ltsc_core::diag::CODES.iter().map(|code| code.id).chain(ltsc_core::lint::RULES.iter().map(|rule| rule.id));
+    let missing: Vec<&str> =
+        codes.filter(|id| !shown.contains(id) && !BEYOND_TEXT.iter().any(|(beyond, _)| beyond == id)).collect();
+    assert!(missing.is_empty(), "codes that no case shows: {missing:?}");
+}

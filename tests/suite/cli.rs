@@ -1,0 +1,321 @@
+//! The binary as people use it: commands, exit codes, bad input.
+
+use std::fs;
+use std::path::Path;
+
+use super::{files_below, ltsc, root, run};
+
+const MINIMAL: &str = "lts 1\n/// A.\n///\n/// B.\nscene NAME { paths: [\"LDE\"] }\n\
+    camera = perspective(eye: (0, -10, 2), target: (0, 0, 2), fov_x: 45deg)\nfilm = image(16, 8)\n\
+    integrator = path(max_depth: 3)\nsampler = independent(samples: 4)\n\
+    emitter lamp = rectangle(x: -1..1, y: -1..1, z: 5, normal: -Z) with radiance(10)\n";
+
+/// A scene called `name` with `more` at its end, in a folder of its own.
+fn scene(name: &str, more: &str) -> (tempfile::TempDir, std::path::PathBuf) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenes = folder.path().join("scenes");
+    fs::create_dir(&scenes).expect("a folder");
+    let path = scenes.join(format!("{name}.lts"));
+    fs::write(&path, format!("{}{more}\n", MINIMAL.replace("NAME", name))).expect("a scene");
+    (folder, path)
+}
+
+#[test]
+fn a_second_build_does_nothing_and_says_so() {
+    let (folder, path) = scene("one", "");
+    let out = folder.path().join("out");
+    let build = |more: &[&str]| run(ltsc().arg("build").arg(&path).arg("-o").arg(&out).args(more));
+    let first = build(&[]);
+    assert_eq!(first.code, Some(0), "{}", first.err);
+    assert!(first.out.contains("files written"), "{}", first.out);
+    let time = |name: &str| fs::metadata(out.join("one").join(name)).and_then(|meta| meta.modified()).expect("a time");
+    let before = time("pbrt-v4/scene.pbrt");
+    let second = build(&[]);
+    assert!(second.out.is_empty() && second.err.contains("nothing to do"), "{}{}", second.out, second.err);
+    assert_eq!(before, time("pbrt-v4/scene.pbrt"));
+    assert_eq!(build(&["--check"]).code, Some(0));
+
+    fs::write(out.join("one/pbrt-v4/scene.pbrt"), "edited by hand").expect("a write");
+    fs::remove_file(out.join("one/meshes/lamp.ply")).expect("a removal");
+    let stale = build(&["--check"]);
+    assert_eq!(stale.code, Some(1));
+    assert!(stale.out.contains("pbrt-v4") && stale.out.contains("lamp.ply"), "{}", stale.out);
+    assert_eq!(fs::read(out.join("one/pbrt-v4/scene.pbrt")).expect("a file"), b"edited by hand");
+    assert_eq!(build(&[]).code, Some(0));
+    assert_eq!(build(&["--check"]).code, Some(0));
+}
+
+#[test]
+fn files_that_a_scene_no_longer_has_are_removed_and_only_those() {
+    let (folder, path) = scene("one", "shape extra = box(size: 1) with diffuse(0.5)");
+    let out = folder.path().join("out");
+    let build = |more: &[&str]| run(ltsc().arg("build").arg(&path).arg("-o").arg(&out).args(more));
+    assert_eq!(build(&[]).code, Some(0));
+    assert!(out.join("one/meshes/extra.ply").is_file());
+    fs::write(out.join("one/notes.txt"), "mine").expect("a write");
+    fs::write(&path, MINIMAL.replace("NAME", "one")).expect("a write");
+    assert_eq!(build(&[]).code, Some(0));
+    assert!(!out.join("one/meshes/extra.ply").exists() && out.join("one/notes.txt").is_file());
+    // One target alone leaves the others as they are.
+    assert_eq!(build(&["--target", "gltf"]).code, Some(0));
+    assert_eq!(build(&["--check"]).code, Some(0));
+}
+
+#[test]
+fn a_folder_of_someone_else_is_refused() {
+    let (folder, path) = scene("one", "");
+    let out = folder.path().join("mine");
+    fs::create_dir(&out).expect("a folder");
+    fs::write(out.join("thesis.tex"), "years of work").expect("a write");
+    let emit = |more: &[&str]| run(ltsc().arg("emit").arg(&path).args(["--target", "pbrt", "-o"]).arg(&out).args(more));
+    let refused = emit(&[]);
+    assert_eq!(refused.code, Some(2), "{}", refused.err);
+    assert_eq!(files_below(&out), ["thesis.tex"]);
+    assert_eq!(emit(&["--force"]).code, Some(0));
+    assert!(out.join("scene.pbrt").is_file() && out.join("thesis.tex").is_file());
+}
+
+#[test]
+fn every_target_is_emitted_alone_with_its_meshes() {
+    for target in ltsc_core::formats::TARGETS {
+        let folder = tempfile::tempdir().expect("a folder");
+        let out = folder.path().join("out");
+        let ran = run(ltsc().args(["emit", "scenes-src/cbox_classic.lts", "--target", target.name, "-o"]).arg(&out));
+        assert_eq!(ran.code, Some(0), "{}: {}", target.name, ran.err);
+        assert!(out.join(target.main_file_of("cbox_classic")).is_file(), "{}", target.name);
+        assert_eq!(out.join("meshes/tall.ply").is_file(), target.shares_meshes, "{}", target.name);
+    }
+}
+
+#[test]
+fn settings_of_the_command_line_reach_the_files() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("out");
+    let ran = run(ltsc()
+        .args(["emit", "scenes-src/cbox_classic.lts", "--target", "pbrt-v4", "--width", "64", "--height", "32"])
+        .args(["--samples", "7", "--max-depth", "3", "-o"])
+        .arg(&out));
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let text = fs::read_to_string(out.join("settings.pbrt")).expect("settings");
+    for part in ["xresolution\" [64]", "yresolution\" [32]", "pixelsamples\" [7]", "maxdepth\" [2]"] {
+        assert!(text.contains(part), "{part} is missing in\n{text}");
+    }
+}
+
+/// Bad input: a finding or message, the documented exit code, no panic, nothing written.
+fn refused(text: &[u8], code: i32, words: &str) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scenes = folder.path().join("scenes");
+    fs::create_dir(&scenes).expect("a folder");
+    fs::write(scenes.join("bad.lts"), text).expect("a write");
+    refused_in(&scenes, code, words);
+}
+
+fn refused_in(scenes: &Path, code: i32, words: &str) {
+    let out = scenes.join("out");
+    let lint = run(ltsc().arg("lint").arg(scenes.join("bad.lts")).args(["--format", "short"]));
+    assert_eq!(lint.code, Some(code), "lint: {}{}", lint.out, lint.err);
+    assert!(lint.out.contains(words), "{words} is missing in\n{}{}", lint.out, lint.err);
+    let build = run(ltsc().arg("build").arg(scenes.join("bad.lts")).arg("-o").arg(&out));
+    assert_eq!(build.code, Some(code), "build: {}", build.err);
+    assert!(!out.exists(), "something was written");
+    let emit = run(ltsc().arg("emit").arg(scenes.join("bad.lts")).args(["--target", "gltf", "-o"]).arg(&out));
+    assert_eq!(emit.code, Some(code), "emit: {}", emit.err);
+    assert!(!out.exists(), "something was written");
+}
+
+#[test]
+fn bad_text_is_refused() {
+    let with = |more: &str| format!("{}{more}\n", MINIMAL.replace("NAME", "bad"));
+    refused(with("shape a = bunnny with diffuse(1)").as_bytes(), 3, "unknown-name");
+    refused(with("shape a = box(size: \"big\") with diffuse(1)").as_bytes(), 3, "type-mismatch");
+    refused(with("shape a = box(size: 1) |> rotate(z: 20) with diffuse(1)").as_bytes(), 3, "missing-unit");
+    refused(with("group g {\n shape a = box(size: 1) with diffuse(1)").as_bytes(), 3, "syntax-error");
+    refused(b"\x7fELF\x02\x01\x01\x00\xff\xfe\x00", 3, "not-text");
+    refused("(".repeat(10 << 20).as_bytes(), 3, "nesting-limit");
+    refused(
+        with("material m = conductor(eta: 1.5, k: 3, alpha: 0.001)\nshape a = box(size: 1) with m").as_bytes(),
+        1,
+        "rough-too-small",
+    );
+    refused(with("let a = 0 / 0").as_bytes(), 3, "division by zero");
+    refused(with("let a = nan").as_bytes(), 3, "unknown-name");
+    refused(MINIMAL.replace("NAME", "bad").replace("16, 8", "0, 8").as_bytes(), 3, "invalid-argument");
+    refused(with("shape a = file(\"missing.ply\") with diffuse(1)").as_bytes(), 3, "unreadable-file");
+    refused(with("use a from \"../../x.lts\"").as_bytes(), 3, "bad-path");
+    refused(with("use a from \"/etc/passwd\"").as_bytes(), 3, "bad-path");
+}
+
+#[test]
+fn an_empty_file_is_a_library_and_cannot_be_emitted() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("empty.lts");
+    fs::write(&path, "").expect("a write");
+    let lint = run(ltsc().arg("lint").arg(&path).args(["--format", "short"]));
+    assert_eq!(lint.code, Some(0));
+    assert!(lint.out.contains("missing-version"), "{}", lint.out);
+    let emit = run(ltsc().arg("emit").arg(&path).args(["--target", "gltf", "-o"]).arg(folder.path().join("out")));
+    assert_eq!(emit.code, Some(3), "{}", emit.err);
+    assert!(emit.err.contains("library") && !folder.path().join("out").exists());
+}
+
+#[test]
+fn bad_mesh_files_are_refused() {
+    let header = |count: &str| {
+        format!(
+            "ply\nformat binary_little_endian 1.0\nelement vertex {count}\nproperty float x\nproperty float y\n\
+             property float z\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        )
+    };
+    for (bytes, words) in [
+        (header("1000000000").into_bytes(), "invalid-mesh-file"),
+        ([header("3").as_bytes(), &[0; 20]].concat(), "invalid-mesh-file"),
+        (b"ply\nformat ascii 1.0\nelement vertex 3\n".to_vec(), "invalid-mesh-file"),
+        (Vec::new(), "invalid-mesh-file"),
+    ] {
+        let (folder, path) = scene("bad", "shape a = file(\"a.ply\") |> faceted() with diffuse(1)");
+        let scenes = path.parent().expect("a folder");
+        fs::write(scenes.join("a.ply"), bytes).expect("a write");
+        refused_in(scenes, 3, words);
+        drop(folder);
+    }
+}
+
+#[test]
+fn files_that_use_each_other_are_refused() {
+    let (folder, path) = scene("bad", "use a from \"a.lts\"");
+    let scenes = path.parent().expect("a folder");
+    fs::write(scenes.join("a.lts"), "lts 1\nuse b from \"b.lts\"\nlet a = b").expect("a write");
+    fs::write(scenes.join("b.lts"), "lts 1\nuse a from \"a.lts\"\nlet b = a").expect("a write");
+    refused_in(scenes, 3, "use-cycle");
+    drop(folder);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_link_out_of_the_project_is_refused() {
+    let (folder, path) = scene("bad", "shape a = file(\"a.ply\") with diffuse(1)");
+    let scenes = path.parent().expect("a folder");
+    let outside = tempfile::tempdir().expect("a folder");
+    fs::write(outside.path().join("a.ply"), "ply\n").expect("a write");
+    std::os::unix::fs::symlink(outside.path().join("a.ply"), scenes.join("a.ply")).expect("a link");
+    refused_in(scenes, 3, "unreadable-file");
+    drop(folder);
+}
+
+#[test]
+fn a_scene_without_shapes_is_refused_when_it_is_built() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("bad.lts");
+    let text = MINIMAL
+        .replace("NAME", "bad")
+        .lines()
+        .filter(|line| !line.starts_with("emitter"))
+        .collect::<Vec<_>>()
+        .join("\n");
+    fs::write(&path, text).expect("a write");
+    let ran = run(ltsc().arg("build").arg(&path).arg("-o").arg(folder.path().join("out")));
+    assert_eq!(ran.code, Some(3), "{}", ran.err);
+    assert!(ran.err.contains("invalid-scene") && !folder.path().join("out").exists(), "{}", ran.err);
+}
+
+#[test]
+fn a_wrong_project_file_is_refused() {
+    for (text, words) in [
+        ("scnes = \"a\"", "unknown field"),
+        ("targets = [\"mitsubishi\"]", "mitsubishi"),
+        ("generated = \"../../elsewhere\"", "generated"),
+        ("[rules]\nsmooth-emiter = \"warn\"", "smooth-emiter"),
+        ("[rules]\nsmooth-emitter = \"loud\"", "loud"),
+        ("= 3", "ltsc.toml"),
+    ] {
+        let folder = tempfile::tempdir().expect("a folder");
+        fs::write(folder.path().join("ltsc.toml"), text).expect("a write");
+        let ran = run(ltsc().current_dir(folder.path()).arg("build"));
+        assert_eq!(ran.code, Some(3), "{text}: {}", ran.err);
+        assert!(ran.err.contains(words), "{text}: {}", ran.err);
+    }
+}
+
+#[test]
+fn suppressions_and_levels_decide() {
+    let bulb = "emitter bulb = sphere() |> translate(z: 3) with radiance(1)";
+    let (_folder, path) = scene("one", bulb);
+    let lint = |path: &Path, more: &[&str]| run(ltsc().arg("lint").arg(path).args(["--format", "short"]).args(more));
+    assert_eq!(lint(&path, &[]).code, Some(1));
+    assert_eq!(lint(&path, &["--warn", "smooth-emitter"]).code, Some(0));
+    assert_eq!(lint(&path, &["--allow", "smooth-emitter"]).out, "");
+    assert_eq!(lint(&path, &["--allow", "smooth-emiter"]).code, Some(2));
+    let (_folder, path) = scene("one", &format!("allow smooth-emitter \"it is the point\"\n{bulb}"));
+    assert_eq!(lint(&path, &[]).code, Some(0));
+    assert_eq!(lint(&path, &["--no-allow"]).code, Some(1));
+}
+
+#[test]
+fn json_is_one_document() {
+    let (_folder, path) = scene("one", "emitter bulb = sphere() |> translate(z: 3) with radiance(1)");
+    let ran = run(ltsc().arg("lint").arg(&path).args(["--format", "json"]));
+    let document: serde_json::Value = serde_json::from_str(&ran.out).expect("JSON");
+    let finding = &document["findings"][0];
+    assert_eq!(finding["id"], "smooth-emitter");
+    assert_eq!((finding["place"]["line"].as_u64(), finding["place"]["column"].as_u64()), (Some(11), Some(1)));
+    assert_eq!(document["counts"]["errors"], 1);
+    let list = run(ltsc().args(["renderers", "list", "--format", "json"]));
+    let document: serde_json::Value = serde_json::from_str(&list.out).expect("JSON");
+    assert_eq!(document["renderers"].as_array().map(Vec::len), Some(2));
+}
+
+#[test]
+fn usage_is_explained() {
+    assert_eq!(run(&mut ltsc()).code, Some(2));
+    assert_eq!(run(ltsc().arg("--help")).code, Some(0));
+    assert_eq!(run(ltsc().args(["emit", "scenes-src/cbox_classic.lts"])).code, Some(2));
+    let wrong = run(ltsc().args(["emit", "scenes-src/cbox_classic.lts", "--target", "mitsuab"]));
+    assert!(wrong.code == Some(2) && wrong.err.contains("did you mean `mitsuba`?"), "{}", wrong.err);
+    assert_eq!(run(ltsc().args(["lint", "no-such-file.lts"])).code, Some(3));
+    for shell in ["bash", "zsh", "fish", "powershell"] {
+        assert!(run(ltsc().args(["completions", shell])).out.contains("ltsc"));
+    }
+    for what in ["smooth-emitter", "syntax-error", "diffuse", "rotate"] {
+        let ran = run(ltsc().args(["explain", what]));
+        assert!(ran.code == Some(0) && ran.out.contains(what), "{what}: {}", ran.err);
+    }
+    let target = run(ltsc().args(["explain", "--target", "pbrt"]));
+    assert!(target.code == Some(0) && target.out.contains("approximate"), "{}", target.out);
+    assert!(run(ltsc().args(["explain", "smoth-emitter"])).err.contains("smooth-emitter"));
+}
+
+#[test]
+fn every_example_of_the_table_compiles() {
+    for row in ltsc_core::eval::table() {
+        let mut text = MINIMAL.replace("NAME", "example");
+        for kind in ["camera =", "film =", "integrator =", "sampler ="] {
+            if row.example.starts_with(kind) {
+                text = text.lines().filter(|line| !line.starts_with(kind)).collect::<Vec<_>>().join("\n") + "\n";
+            }
+        }
+        if row.example.contains("emitter lamp") {
+            text = text.lines().filter(|line| !line.starts_with("emitter lamp")).collect::<Vec<_>>().join("\n") + "\n";
+        }
+        let mut files = ltsc_core::files::MemoryFiles::default();
+        files.insert("example.lts", format!("{text}{}\n", row.example));
+        let mesh = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+            element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+        files.insert("meshes/bunny.ply", mesh);
+        let path = ltsc_core::files::VPath::resolve("", "example.lts").expect("a path");
+        let mut sources = ltsc_core::diag::Sources::default();
+        let checked = ltsc_core::pipeline::check(&files, &mut sources, &path, &ltsc_core::pipeline::Options::default());
+        assert!(checked.scene.is_some(), "the example of `{}`: {:#?}", row.name, checked.findings);
+    }
+}
+
+#[test]
+fn the_readme_names_what_there_is() {
+    let text = fs::read_to_string(root().join("README.md")).expect("README.md");
+    for target in ltsc_core::formats::TARGETS {
+        assert!(text.contains(&format!("`{}`", target.name)), "README.md does not name {}", target.name);
+    }
+    for driver in ltsc_render::run::DRIVERS {
+        assert!(text.contains(driver.name), "README.md does not name {}", driver.name);
+    }
+}

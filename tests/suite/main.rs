@@ -1,0 +1,78 @@
+//! Tests of the whole: the house itself, the binary as people use it, and real renderers.
+
+mod cases;
+mod cli;
+mod gltf;
+mod golden;
+mod render;
+mod tidy;
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// The folder of the project.
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The binary under test, without colours, with a fixed width and no settings of the user's.
+fn ltsc() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_ltsc"));
+    command.env("NO_COLOR", "1").env("COLUMNS", "100").env("LC_ALL", "C.UTF-8");
+    for name in ["LTSC_FORMAT", "LTSC_ROOT"] {
+        command.env_remove(name);
+    }
+    command.current_dir(root());
+    command
+}
+
+/// What a run of the binary gave.
+struct Ran {
+    code: Option<i32>,
+    out: String,
+    err: String,
+}
+
+fn run(command: &mut Command) -> Ran {
+    let Output { status, stdout, stderr } = command.output().expect("the binary starts");
+    let text = |bytes| String::from_utf8(bytes).expect("output is UTF-8");
+    Ran { code: status.code(), out: text(stdout), err: text(stderr) }
+}
+
+/// Says that a test was skipped, and fails where nothing may be.
+fn skip(test: &str, lacks: &str) {
+    // The print macros are captured by the harness.
+    let _written = writeln!(std::io::stderr(), "skipped: {test} (needs {lacks})");
+    assert!(std::env::var_os("LTSC_REQUIRE_ALL").is_none_or(|value| value != "1"), "{test} needs {lacks}");
+}
+
+/// The thesis's own scenes, where they are beside the checkout.
+fn corpus() -> Option<PathBuf> {
+    let folder = root().parent()?.join("shared/corpus/lteval");
+    folder.is_dir().then_some(folder)
+}
+
+/// Whether expectations are to be rewritten, by the same switch as snapshots.
+fn bless() -> bool {
+    std::env::var("INSTA_UPDATE").is_ok_and(|value| value == "always" || value == "force")
+}
+
+/// All files below a folder, sorted, as paths relative to it with `/`.
+fn files_below(folder: &Path) -> Vec<String> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_path_buf()];
+    while let Some(next) = folders.pop() {
+        for entry in std::fs::read_dir(&next).expect("a readable folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else {
+                let below = path.strip_prefix(folder).expect("a path below");
+                found.push(below.to_string_lossy().replace('\\', "/"));
+            }
+        }
+    }
+    found.sort();
+    found
+}

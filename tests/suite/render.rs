@@ -1,0 +1,132 @@
+//! Real renderers: two of them must give one image, and the thesis's.
+//!
+//! Bounds: means within 0.5 % in every channel, tiles of an 8 x 8 grid within 2 % over all channels, the best shift (0, 0).
+//! A single channel's tile is noisier where that channel is nearly black (red on the green wall): it may differ by the same
+//! 2 % of the tile's mean over all channels.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use ltsc_render::cache::CachePaths;
+use ltsc_render::compare::{CompareOptions, Comparison, compare};
+use ltsc_render::env::Env;
+use ltsc_render::image::{Image, read, reduce};
+use ltsc_render::install::{Status, status};
+use ltsc_render::run::driver;
+
+use super::{corpus, ltsc, root, run, skip};
+
+/// Whether a renderer is there without installing it.
+fn there(name: &str) -> bool {
+    let env = Env::of_process();
+    let driver = driver(name).expect("a driver");
+    matches!(status(driver, CachePaths::find(&env).as_ref(), &env), Status::Installed { .. } | Status::External { .. })
+}
+
+/// Renders a scene of the repository at 128 x 128.
+fn render(folder: &Path, scene: &str, renderer: &str, samples: u32, seed: u32) -> (Image, Vec<(String, String)>) {
+    let out: PathBuf = folder.join(format!("{scene}-{renderer}-{seed}.exr"));
+    let ran = run(ltsc()
+        .arg("render")
+        .arg(root().join(format!("scenes-src/{scene}.lts")))
+        .args(["--renderer", renderer, "--width", "128", "--height", "128", "--timeout", "1200"])
+        .args(["--samples", &samples.to_string(), "--seed", &seed.to_string(), "-o"])
+        .arg(&out));
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    assert!(!ran.err.contains('\r') && !ran.err.contains('\u{1b}'), "a progress bar outside a terminal: {:?}", ran.err);
+    read(&out).expect("an image")
+}
+
+fn compared(a: &Image, b: &Image) -> Comparison {
+    compare(a, b, &CompareOptions::default()).expect("comparable images")
+}
+
+/// Ratio of means over all channels, B/A.
+fn ratio(a: &Image, b: &Image) -> f64 {
+    compared(a, b).metric("ratio").and_then(|value| value.overall).expect("a ratio")
+}
+
+fn judge(what: &str, a: &Image, b: &Image, mean: f64, tile: f64) {
+    let comparison = compared(a, b);
+    let ratios = comparison.metric("ratio").expect("ratios").channels;
+    for ratio in ratios.into_iter().flatten() {
+        assert!((ratio - 1.0).abs() <= mean, "{what}: means {ratios:?}");
+    }
+    for tile_of in comparison.tiles.rows.iter().flatten() {
+        let overall = tile_of.overall.expect("no tile is black");
+        assert!((overall - 1.0).abs() <= tile, "{what}: a tile differs by {:.4}", overall - 1.0);
+    }
+    let shift = comparison.shift.expect("a shift");
+    assert_eq!((shift.dx, shift.dy), (0, 0), "{what}: the image is shifted");
+}
+
+#[test]
+fn two_renderers_give_one_image_of_cbox_classic() {
+    if !there("mitsuba-3") || !there("luxcore") {
+        return skip("two renderers", "`ltsc renderers install mitsuba-3 luxcore`");
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let (mitsuba, facts) = render(folder.path(), "cbox_classic", "mitsuba-3", 512, 0);
+    let (luxcore, _) = render(folder.path(), "cbox_classic", "luxcore", 512, 0);
+    judge("LuxCore against Mitsuba 3", &mitsuba, &luxcore, 0.005, 0.02);
+
+    let fact = |name: &str| facts.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str());
+    assert_eq!(fact("ltsc:scene"), Some("cbox_classic"));
+    assert_eq!(fact("ltsc:renderer"), Some("mitsuba-3"));
+    assert_eq!((fact("ltsc:samples"), fact("ltsc:seed")), (Some("512"), Some("0")));
+    for name in ["ltsc:scene-hash", "ltsc:version", "ltsc:renderer-version", "ltsc:seconds"] {
+        assert!(fact(name).is_some_and(|value| !value.is_empty()), "{name} is missing");
+    }
+
+    let Some(corpus) = corpus() else { return skip("the thesis's cbox_classic", "../shared/corpus/lteval") };
+    let (reference, _) = read(&corpus.join("cbox_classic/mitsuba_0_5/reference.exr")).expect("the reference");
+    let reference = reduce(&reference, 128, 128).expect("a smaller reference");
+    judge("Mitsuba 3 against the thesis", &reference, &mitsuba, 0.005, 0.02);
+    judge("LuxCore against the thesis", &reference, &luxcore, 0.005, 0.02);
+}
+
+/// The mean over seeds of the ratio to the reference, within 1 % or four standard errors of 1.
+#[test]
+fn veach_mis_has_the_mean_of_the_thesis() {
+    if !there("mitsuba-3") || !there("luxcore") {
+        return skip("veach_mis", "`ltsc renderers install mitsuba-3 luxcore`");
+    }
+    let Some(corpus) = corpus() else { return skip("the thesis's veach_mis", "../shared/corpus/lteval") };
+    let (reference, _) = read(&corpus.join("veach_mis/mitsuba_0_5/reference.exr")).expect("the reference");
+    let reference = reduce(&reference, 128, 128).expect("a smaller reference");
+    let folder = tempfile::tempdir().expect("a folder");
+    for (renderer, samples) in [("mitsuba-3", 64), ("luxcore", 64)] {
+        let seeds = [1, 2, 3, 4];
+        let ratios =
+            seeds.map(|seed| ratio(&reference, &render(folder.path(), "veach_mis", renderer, samples, seed).0));
+        let mean = ratios.iter().sum::<f64>() / 4.0;
+        let variance = ratios.iter().map(|ratio| (ratio - mean) * (ratio - mean)).sum::<f64>() / 3.0;
+        let error = (variance / 4.0).sqrt();
+        assert!((mean - 1.0).abs() <= f64::max(0.01, 4.0 * error), "{renderer}: {mean:.4} +- {error:.4} {ratios:?}");
+        assert!(error < 0.03, "{renderer}: too noisy to tell anything, {ratios:?}");
+        assert!(ratios.windows(2).all(|pair| pair[0] != pair[1]), "{renderer}: seeds do nothing, {ratios:?}");
+    }
+}
+
+#[test]
+fn a_renderer_that_fails_shows_the_end_of_its_log() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let fake = folder.path().join(if cfg!(windows) { "mitsuba.exe" } else { "mitsuba" });
+    if cfg!(windows) {
+        return skip("a failing renderer", "a system with shell scripts");
+    }
+    std::fs::write(&fake, "#!/bin/sh\necho loading the scene\necho the kernel is out of coffee >&2\nexit 7\n")
+        .expect("a script");
+    let made = Command::new("chmod").arg("+x").arg(&fake).status().expect("chmod starts");
+    assert!(made.success());
+    let out = folder.path().join("a.exr");
+    let ran = run(ltsc()
+        .args(["render", "scenes-src/cbox_empty.lts", "--renderer", "mitsuba-3", "--executable"])
+        .arg(&fake)
+        .arg("-o")
+        .arg(&out));
+    assert_eq!(ran.code, Some(4), "{}", ran.err);
+    assert!(ran.err.contains("out of coffee") && ran.err.contains('7'), "{}", ran.err);
+    assert!(!out.exists(), "half an image was written");
+    assert!(folder.path().join("a.exr.log").is_file(), "the log is kept");
+}

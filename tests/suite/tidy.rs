@@ -1,0 +1,199 @@
+//! The house: layers, tables, first lines, lengths, and ARCHITECTURE.md against the tree.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+
+use super::{files_below, root};
+
+/// The longest file in lines.
+const LONGEST: usize = 1200;
+
+/// Modules of the core and those that each may use; ARCHITECTURE.md has the same table.
+const LAYERS: &[(&str, &[&str])] = &[
+    ("diag", &[]),
+    ("files", &["diag"]),
+    ("ir", &["diag"]),
+    ("syntax", &["diag"]),
+    ("mesh", &["ir", "diag"]),
+    ("eval", &["syntax", "ir", "mesh", "diag", "files"]),
+    ("valid", &["ir", "mesh", "diag"]),
+    ("lower", &["ir", "mesh", "diag"]),
+    ("lint", &["ir", "mesh", "diag"]),
+    ("capability", &["ir", "mesh", "diag"]),
+    ("formats", &["ir", "mesh", "valid", "capability", "diag", "files"]),
+    ("pipeline", &["capability", "diag", "eval", "files", "formats", "ir", "lint", "lower", "syntax", "valid"]),
+];
+
+fn rust_files(folder: &str) -> Vec<(String, String)> {
+    let folder = root().join(folder);
+    let files = files_below(&folder).into_iter().filter(|path| path.ends_with(".rs"));
+    files.map(|path| (path.clone(), fs::read_to_string(folder.join(path)).expect("a source file"))).collect()
+}
+
+fn all_sources() -> Vec<(String, String)> {
+    let folders = ["compiler/core/src", "compiler/cli/src", "renderers/src", "tests/suite"];
+    let of = |folder: &&str| {
+        let folder = (*folder).to_owned();
+        rust_files(&folder).into_iter().map(move |(path, text)| (format!("{folder}/{path}"), text)).collect::<Vec<_>>()
+    };
+    folders.iter().flat_map(of).collect()
+}
+
+/// The names that follow `crate::` in code.
+fn used(text: &str) -> BTreeSet<String> {
+    let code = text.lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n");
+    let mut found = BTreeSet::new();
+    for (at, _) in code.match_indices("crate::") {
+        let rest = &code[at + "crate::".len()..];
+        if let Some(list) = rest.strip_prefix('{') {
+            let list = list.split('}').next().unwrap_or_default();
+            found.extend(list.split(',').map(|item| item.trim().split("::").next().unwrap_or_default().to_owned()));
+        } else {
+            let end = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
+            found.insert(rest[..end].to_owned());
+        }
+    }
+    found
+}
+
+#[test]
+fn modules_of_the_core_use_only_what_lies_below_them() {
+    let layers: BTreeMap<&str, &[&str]> = LAYERS.iter().copied().collect();
+    for (path, text) in rust_files("compiler/core/src") {
+        let module = path.split('/').next().unwrap_or_default().trim_end_matches(".rs");
+        if module == "lib" {
+            continue;
+        }
+        let allowed = layers.get(module).unwrap_or_else(|| panic!("`{module}` is missing in LAYERS"));
+        // Tests of a module may reach further.
+        let code = text.split("#[cfg(test)]").next().unwrap_or_default();
+        if path.ends_with("tests.rs") {
+            continue;
+        }
+        for name in used(code).into_iter().filter(|name| layers.contains_key(name.as_str()) && name != module) {
+            assert!(allowed.contains(&name.as_str()), "{path} uses `{name}`, which `{module}` may not know");
+        }
+    }
+}
+
+#[test]
+fn a_format_knows_no_other_format() {
+    let formats = ["mitsuba", "pbrt", "luxcore", "gltf"];
+    for (path, text) in rust_files("compiler/core/src/formats") {
+        let Some((own, _)) = path.split_once('/') else { continue };
+        for other in formats.into_iter().filter(|other| *other != own) {
+            let reaches = [format!("super::super::{other}"), format!("formats::{other}")];
+            assert!(!reaches.iter().any(|name| text.contains(name)), "{path} uses the format {other}");
+        }
+    }
+}
+
+#[test]
+fn render_package_knows_nothing_of_ours() {
+    for (path, text) in rust_files("renderers/src") {
+        assert!(!text.contains("ltsc_core"), "{path} knows the core");
+    }
+}
+
+#[test]
+fn every_file_of_a_family_is_in_its_table() {
+    let families = [
+        ("compiler/core/src/lint", "RULES", "RULE"),
+        ("compiler/core/src/eval/table", "parts", "ROWS"),
+        ("renderers/src/compare/metrics", "METRICS", "ROW"),
+    ];
+    for (folder, _, row) in families {
+        let table = fs::read_to_string(root().join(folder).join("mod.rs")).expect("a table");
+        for (path, _) in rust_files(folder).into_iter().filter(|(path, _)| path != "mod.rs") {
+            let name = path.trim_end_matches(".rs");
+            assert!(table.contains(&format!("mod {name};")), "{folder}/{path} is no module");
+            assert!(table.contains(&format!("{name}::{row}")), "{folder}/{path} is not in the table");
+        }
+    }
+}
+
+#[test]
+fn every_code_has_a_page_and_every_page_a_code() {
+    let mut known: BTreeSet<&str> = ltsc_core::diag::CODES.iter().map(|code| code.id).collect();
+    known.extend(ltsc_core::lint::RULES.iter().map(|rule| rule.id));
+    let mut named = BTreeSet::new();
+    for (path, text) in rust_files("compiler/core/src") {
+        if path == "diag/codes.rs" {
+            continue;
+        }
+        // Codes are the strings of small letters and hyphens that stand where a code is due.
+        let pieces = text.split('"').skip(1).step_by(2);
+        named.extend(pieces.filter(|piece| known.contains(*piece)).map(str::to_owned));
+        let invalid =
+            text.split('"').skip(1).step_by(2).filter(|piece| piece.starts_with("invalid-") && !piece.contains(' '));
+        for id in invalid {
+            assert!(known.contains(id), "{path}: `{id}` has no page in diag/codes.rs");
+        }
+        for marker in ["Finding::error(\"", "Finding::warn(\"", "Finding::new(\"", ".id(\""] {
+            for (at, _) in text.match_indices(marker) {
+                let id = text[at + marker.len()..].split('"').next().unwrap_or_default();
+                assert!(known.contains(id) || path.contains("tests"), "{path}: `{id}` has no page in diag/codes.rs");
+            }
+        }
+    }
+    let unused: Vec<&&str> = known.iter().filter(|id| !named.contains(**id)).collect();
+    assert!(unused.is_empty(), "pages of codes that nothing says: {unused:?}");
+}
+
+#[test]
+fn files_say_what_they_are_and_stay_readable() {
+    for (path, text) in all_sources() {
+        assert!(text.starts_with("//!"), "{path} does not say its purpose in the first line");
+        let lines = text.lines().count();
+        assert!(lines <= LONGEST, "{path} has {lines} lines");
+    }
+}
+
+#[test]
+fn nothing_speaks_of_one_machine() {
+    // Written in pieces, so that this file does not find itself.
+    let words = [["/ro", "ot/"].concat(), ["/wo", "rk/"].concat(), ["/ho", "me/"].concat()];
+    for (path, text) in all_sources().into_iter().filter(|(path, _)| !path.ends_with("cache.rs")) {
+        for word in &words {
+            assert!(!text.contains(word.as_str()), "{path} contains {word}");
+        }
+    }
+}
+
+#[test]
+fn architecture_is_true() {
+    let text = fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");
+    assert!(text.lines().count() <= 300, "ARCHITECTURE.md is longer than 300 lines");
+    let tree =
+        text.split("## The tree").nth(1).and_then(|rest| rest.split("\n## ").next()).expect("a section on the tree");
+    let mut top = String::new();
+    let mut named = BTreeSet::new();
+    for line in tree.lines().filter(|line| line.starts_with("    ") && !line.trim().is_empty()) {
+        let inner = line.starts_with("      ");
+        let first = line.split_whitespace().next().unwrap_or_default();
+        if inner && !first.ends_with('/') && !first.ends_with(".rs") {
+            continue;
+        }
+        let path = if inner { format!("{top}{first}") } else { first.to_owned() };
+        if !inner {
+            top = first.to_owned();
+        }
+        assert!(root().join(&path).exists(), "ARCHITECTURE.md names {path}, which is not there");
+        named.insert(path.trim_end_matches('/').to_owned());
+    }
+    for entry in fs::read_dir(root().join("compiler/core/src")).expect("the core") {
+        let name = entry.expect("an entry").file_name().to_string_lossy().into_owned();
+        assert!(named.contains(&format!("compiler/core/src/{name}")), "ARCHITECTURE.md does not name {name}");
+    }
+    for (module, may) in LAYERS.iter().filter(|(module, _)| *module != "pipeline") {
+        let row = text.lines().find(|line| {
+            line.starts_with("| `") && line.split('|').nth(1).is_some_and(|cell| cell.contains(&format!("`{module}`")))
+        });
+        let row = row.unwrap_or_else(|| panic!("ARCHITECTURE.md has no row for `{module}`"));
+        let cell = row.split('|').nth(2).unwrap_or_default();
+        for name in *may {
+            assert!(cell.contains(&format!("`{name}`")), "ARCHITECTURE.md: `{module}` may use `{name}`");
+        }
+        assert_eq!(cell.matches('`').count() / 2, may.len(), "ARCHITECTURE.md: what `{module}` may use");
+    }
+}
