@@ -310,6 +310,19 @@ fn every_example_of_the_table_compiles() {
 }
 
 #[test]
+fn the_scene_of_the_readme_is_clean() {
+    let text = fs::read_to_string(root().join("README.md")).expect("README.md");
+    let section = text.split("## A scene").nth(1).expect("a scene");
+    let lines = section.lines().skip(1).take_while(|line| line.is_empty() || line.starts_with("    "));
+    let scene: Vec<&str> = lines.map(|line| line.get(4..).unwrap_or_default()).collect();
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("ball.lts");
+    fs::write(&path, scene.join("\n")).expect("a write");
+    let ran = run(ltsc().arg("lint").arg(&path).args(["--format", "short", "--deny", "undocumented-scene"]));
+    assert_eq!((ran.code, ran.out.as_str()), (Some(0), ""), "{}", ran.err);
+}
+
+#[test]
 fn the_readme_names_what_there_is() {
     let text = fs::read_to_string(root().join("README.md")).expect("README.md");
     for target in ltsc_core::formats::TARGETS {

@@ -12,7 +12,7 @@ use crate::output::{Exit, Failure};
 use crate::terminal;
 
 pub fn run(command: &Diff) -> Result<Exit, Failure> {
-    if command.tolerance.is_some_and(|tolerance| !(tolerance >= 0.0)) {
+    if command.tolerance.is_some_and(|tolerance| tolerance < 0.0 || !tolerance.is_finite()) {
         return Err(Failure::new(Exit::Usage, "the tolerance is a share of at least 0, for example 0.02"));
     }
     let (a, b) = (load(&command.a)?, load(&command.b)?);

@@ -65,17 +65,43 @@ fn page(row: &Constructor) -> String {
 
 fn explain_target(name: &str) -> Result<Exit, Failure> {
     let target = project::target(name)?;
-    let mut text = format!("{}\n{}\n\n", target.name, target.summary);
+    let mut exact = Vec::new();
+    let mut rest = String::new();
     for feature in Feature::ALL {
-        let words = match (target.supports)(*feature) {
-            Support::Exact => "exact".to_owned(),
-            Support::Approximate { why, bound } => format!("approximate: {why}; {bound}"),
-            Support::Unsupported { why } => format!("unsupported: {why}"),
+        let (word, parts) = match (target.supports)(*feature) {
+            Support::Exact => {
+                exact.push(feature.name());
+                continue;
+            }
+            Support::Approximate { why, bound } => ("approximate", vec![why, bound]),
+            Support::Unsupported { why } => ("unsupported", vec![why]),
         };
-        text.push_str(&format!("{:<48} {words}\n", feature.name()));
+        rest.push_str(&format!("{word}: {}\n", feature.name()));
+        for part in parts {
+            rest.push_str(&wrapped(part, "    "));
+        }
     }
-    terminal::print(&text);
+    let exact = wrapped(&exact.join(", "), "    ");
+    terminal::print(&format!("{}\n{}\n\nexact:\n{exact}\n{rest}", target.name, target.summary));
     Ok(Exit::Done)
+}
+
+/// Lines of at most 100 characters, each behind `indent`.
+fn wrapped(text: &str, indent: &str) -> String {
+    let mut out = String::new();
+    let mut line = String::new();
+    for word in text.split_whitespace() {
+        if !line.is_empty() && indent.len() + line.len() + 1 + word.len() > 100 {
+            out.push_str(&format!("{indent}{line}\n"));
+            line.clear();
+        }
+        if !line.is_empty() {
+            line.push(' ');
+        }
+        line.push_str(word);
+    }
+    out.push_str(&format!("{indent}{line}\n"));
+    out
 }
 
 fn contents() -> String {

@@ -186,6 +186,9 @@ fn split_doc(doc: &str) -> (String, String) {
     (lines[..end].join(" ").trim().to_owned(), lines[end..].join("\n").trim().to_owned())
 }
 
+/// A material by its address and, where it has no name of its own, the shape whose name it takes.
+type MaterialKey = (*const MaterialValue, Option<String>);
+
 /// The arenas in the making.
 #[derive(Default)]
 struct Builder {
@@ -194,7 +197,7 @@ struct Builder {
     shapes: Arena<Shape>,
     /// By address; the values are kept alive so that no address is used twice.
     known_meshes: HashMap<*const Mesh, (Handle<Mesh>, Rc<Mesh>)>,
-    known_materials: HashMap<(*const MaterialValue, Option<String>), (Handle<Material>, Rc<MaterialValue>)>,
+    known_materials: HashMap<MaterialKey, (Handle<Material>, Rc<MaterialValue>)>,
     black: Option<Handle<Material>>,
 }
 

@@ -304,6 +304,7 @@ impl Interpreter<'_> {
                 Ok(value)
             }
             Err(problem) => {
+                let problem = *problem.0;
                 if let Some(key) = key {
                     meshes.insert(key, Value::Poison);
                 }

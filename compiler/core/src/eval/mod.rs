@@ -3,6 +3,8 @@
 //! Reading order: `value`, `ops`, [`table`] (constructors), `expr` (expressions and calls), `module` (statements and
 //! `use`), `assemble` (the Scene).
 
+#![expect(clippy::wildcard_enum_match_arm, reason = "a value of any other type is the same mistake, and is reported")]
+
 mod assemble;
 mod expr;
 mod module;

@@ -93,7 +93,7 @@ impl Interpreter<'_> {
             Ok(tree) => tree,
             Err(problem) => {
                 let origin = crate::diag::Origin::File { path: path.to_string(), place: String::new() };
-                self.findings.push(Finding { origin, ..problem });
+                self.findings.push(Finding { origin, ..*problem });
                 return None;
             }
         };
@@ -104,21 +104,21 @@ impl Interpreter<'_> {
     }
 
     /// Reads and parses a file. The finding of an error has no place yet.
-    fn load(&mut self, path: &VPath) -> Result<Tree, Finding> {
+    fn load(&mut self, path: &VPath) -> Result<Tree, Box<Finding>> {
         let place = crate::diag::Origin::Made;
-        let bytes = self.files.read(path, TEXT_LIMIT).map_err(|error| read_problem(path, &error))?;
+        let bytes = self.files.read(path, TEXT_LIMIT).map_err(|error| Box::new(read_problem(path, &error)))?;
         self.inputs.insert(path.clone(), bytes.clone());
         let text = std::str::from_utf8(&bytes).map_err(|error| {
             let line = bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count() + 1;
-            Finding::error("not-text", place.clone(), format!("`{path}` is not a text in UTF-8"))
-                .note(format!("the first bad byte is at {} (line {line})", error.valid_up_to()))
-                .help("scene files are text; save it as UTF-8")
+            let finding = Finding::error("not-text", place.clone(), format!("`{path}` is not a text in UTF-8"))
+                .note(format!("the first bad byte is at {} (line {line})", error.valid_up_to()));
+            Box::new(finding.help("scene files are text; save it as UTF-8"))
         })?;
         if text.contains('\0') {
             let at = text.find('\0').unwrap_or(0);
-            return Err(Finding::error("not-text", place, format!("`{path}` contains a zero byte"))
-                .note(format!("the first one is at byte {at}"))
-                .help("scene files are text; is this a binary file?"));
+            let finding = Finding::error("not-text", place, format!("`{path}` contains a zero byte"))
+                .note(format!("the first one is at byte {at}"));
+            return Err(Box::new(finding.help("scene files are text; is this a binary file?")));
         }
         let file = self.sources.add(path.as_str(), text);
         let (tree, findings) = syntax::parse(file, text);
@@ -345,7 +345,7 @@ impl Interpreter<'_> {
         let tree = match self.load(&resolved) {
             Ok(tree) => tree,
             Err(problem) => {
-                self.findings.push(Finding { origin: path.span.into(), ..problem });
+                self.findings.push(Finding { origin: path.span.into(), ..*problem });
                 self.modules.insert(resolved, None);
                 return None;
             }

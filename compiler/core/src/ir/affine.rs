@@ -58,8 +58,8 @@ impl Affine {
     /// Scales along the axes.
     pub fn scaling(by: Vec3) -> Self {
         let mut map = Self::IDENTITY;
-        for axis in 0..3 {
-            map.rows[axis][axis] = by[axis];
+        for (axis, factor) in by.into_iter().enumerate() {
+            map.rows[axis][axis] = factor;
         }
         map
     }
@@ -85,8 +85,8 @@ impl Affine {
     pub fn then(&self, after: &Self) -> Self {
         let mut rows = [[0.0; 4]; 3];
         for (row, outer) in rows.iter_mut().zip(&after.rows) {
-            for column in 0..4 {
-                row[column] = (0..3).map(|k| outer[k] * self.rows[k][column]).sum::<f64>();
+            for (column, entry) in row.iter_mut().enumerate() {
+                *entry = (0..3).map(|k| outer[k] * self.rows[k][column]).sum::<f64>();
             }
             row[3] += outer[3];
         }

@@ -108,7 +108,12 @@ mod tests {
                     call.piped.iter().map(show).chain(call.args.iter().map(|arg| show(&arg.value))).collect();
                 format!("{}({})", call.name.text, args.join(","))
             }
-            _ => format!("{e:?}"),
+            ExprKind::Unit(..)
+            | ExprKind::String(_)
+            | ExprKind::Bool(_)
+            | ExprKind::Tuple(_)
+            | ExprKind::List(_)
+            | ExprKind::Comprehension(..) => format!("{e:?}"),
         }
     }
 

@@ -129,8 +129,7 @@ pub(super) fn value(geometry: Geometry, site: &Site<'_>) -> Value {
 pub(super) fn problem(error: MeshError) -> Problem {
     let MeshError { argument, message, help } = error;
     let at = if argument.is_empty() { None } else { Some(argument) };
-    let found = Problem::new(at, message).id("invalid-mesh");
-    Problem { help, ..found }
+    Problem::new(at, message).id("invalid-mesh").maybe_help(help)
 }
 
 fn boxed(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
@@ -200,17 +199,20 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     let part = text("part");
     let path = VPath::resolve(site.folder, &written).map_err(|error| {
         let finding = super::super::module::path_problem(site.span, &error);
-        let found = Problem::new("path", finding.message).id("bad-path");
-        Problem { help: finding.help, note: finding.notes.into_iter().next(), ..found }
+        let found = Problem::new("path", finding.message).id("bad-path").maybe_help(finding.help);
+        match finding.notes.into_iter().next() {
+            Some(note) => found.note(note),
+            None => found,
+        }
     })?;
     let bytes = (site.read)(&path).map_err(|error| {
-        let found = Problem::new("path", format!("`{path}` cannot be read: {error}")).id("unreadable-file");
-        Problem { help: beside_help(&path, &error), ..found }
+        Problem::new("path", format!("`{path}` cannot be read: {error}"))
+            .id("unreadable-file")
+            .maybe_help(beside_help(&path, &error))
     })?;
     let (geometry, notes) = mesh::file::read(&path.extension(), &bytes, part.as_deref()).map_err(|error| {
         let place = if error.place.is_empty() { path.to_string() } else { format!("{path}, {}", error.place) };
-        let found = Problem::new("path", error.message).id("invalid-mesh-file").label(place);
-        Problem { help: error.help, ..found }
+        Problem::new("path", error.message).id("invalid-mesh-file").label(place).maybe_help(error.help)
     })?;
     for note in notes.into_iter().filter(|note| note.severity >= Severity::Warn) {
         let place = if note.place.is_empty() { String::new() } else { format!(", {}", note.place) };

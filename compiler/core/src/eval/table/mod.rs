@@ -104,8 +104,11 @@ pub struct Parameter {
     pub doc: &'static str,
 }
 
-/// Why a constructor makes nothing.
-pub(super) struct Problem {
+/// Why a constructor makes nothing. Boxed: values are many, problems are few.
+pub(super) struct Problem(pub(super) Box<Detail>);
+
+/// The parts of a [`Problem`], as those of a finding.
+pub(super) struct Detail {
     /// The argument that is wrong; none for the call.
     pub at: Option<&'static str>,
     pub message: String,
@@ -118,33 +121,37 @@ pub(super) struct Problem {
 
 impl Problem {
     pub(super) fn new(at: impl Into<Option<&'static str>>, message: impl Into<String>) -> Self {
-        Self {
+        Self(Box::new(Detail {
             at: at.into(),
             message: message.into(),
             label: String::new(),
             note: None,
             help: None,
             id: "invalid-argument",
-        }
+        }))
     }
 
-    pub(super) fn help(mut self, text: impl Into<String>) -> Self {
-        self.help = Some(text.into());
+    pub(super) fn help(self, text: impl Into<String>) -> Self {
+        self.maybe_help(Some(text.into()))
+    }
+
+    pub(super) fn maybe_help(mut self, text: Option<String>) -> Self {
+        self.0.help = text;
         self
     }
 
     pub(super) fn label(mut self, text: impl Into<String>) -> Self {
-        self.label = text.into();
+        self.0.label = text.into();
         self
     }
 
     pub(super) fn note(mut self, text: impl Into<String>) -> Self {
-        self.note = Some(text.into());
+        self.0.note = Some(text.into());
         self
     }
 
     pub(super) fn id(mut self, id: &'static str) -> Self {
-        self.id = id;
+        self.0.id = id;
         self
     }
 }
