@@ -102,6 +102,49 @@ fn settings_of_the_command_line_reach_the_files() {
     }
 }
 
+#[test]
+fn parameters_are_set_from_outside() {
+    let (folder, path) = scene("one", "param size: number = 1 in 0.5..2\nshape a = box(size: size) with diffuse(0.5)");
+    let out = folder.path().join("out");
+    let emit = |set: &[&str]| {
+        let mut command = ltsc();
+        command.arg("emit").arg(&path).args(["--target", "pbrt", "-o"]).arg(&out);
+        run(set.iter().fold(&mut command, |command, set| command.args(["--set", set])))
+    };
+    let mesh = || fs::read(out.join("meshes/a.ply")).expect("a mesh");
+    assert_eq!(emit(&[]).code, Some(0));
+    let before = mesh();
+    assert_eq!(emit(&["size=3 / 2"]).code, Some(0));
+    assert_ne!(before, mesh());
+    for (set, code, words) in [
+        ("size=5", 3, "parameter-range"),
+        ("size=45deg", 3, "type-mismatch"),
+        ("size=1 let x = 2", 3, "syntax-error"),
+        ("sise=1", 3, "did you mean `size`?"),
+        ("size", 2, "has no value"),
+    ] {
+        let ran = emit(&[set]);
+        assert!(ran.code == Some(code) && ran.err.contains(words), "{set}: {:?} {}", ran.code, ran.err);
+    }
+}
+
+#[test]
+fn loops_and_functions_make_named_things() {
+    let more = "let far(i: number) = 10 * i\nmaterial grey(x: number) = diffuse(x)\nmesh ball = sphere(segments: 8, rings: 4)\n\
+        for i in 1..2, j in [5, 6] {\n    shape s = ball |> translate(far(i), j) with grey(0.5)\n}\n";
+    let mut files = ltsc_core::files::MemoryFiles::default();
+    files.insert("one.lts", format!("{}{more}", MINIMAL.replace("NAME", "one")));
+    let path = ltsc_core::files::VPath::resolve("", "one.lts").expect("a path");
+    let mut sources = ltsc_core::diag::Sources::default();
+    let checked = ltsc_core::pipeline::check(&files, &mut sources, &path, &ltsc_core::pipeline::Options::default());
+    let scene = checked.scene.unwrap_or_else(|| panic!("{:#?}", checked.findings));
+    let names: Vec<&str> = scene.shapes.values().map(|shape| shape.name.as_str()).collect();
+    assert_eq!(names, ["lamp", "s[1,0]", "s[1,1]", "s[2,0]", "s[2,1]"]);
+    let place = scene.shapes.values().last().expect("a shape").transform.rows.map(|row| row[3]);
+    assert_eq!(place, [20.0, 6.0, 0.0]);
+    assert_eq!((scene.meshes.len(), scene.materials.len()), (2, 2), "meshes and equal materials are shared");
+}
+
 /// Bad input: a finding or message, the documented exit code, no panic, nothing written.
 fn refused(text: &[u8], code: i32, words: &str) {
     let folder = tempfile::tempdir().expect("a folder");
@@ -144,6 +187,24 @@ fn bad_text_is_refused() {
     refused(with("shape a = file(\"missing.ply\") with diffuse(1)").as_bytes(), 3, "unreadable-file");
     refused(with("use a from \"../../x.lts\"").as_bytes(), 3, "bad-path");
     refused(with("use a from \"/etc/passwd\"").as_bytes(), 3, "bad-path");
+}
+
+/// A scene whose evaluation would not end in years.
+fn stopped(more: &str) {
+    let (_folder, path) = scene("bad", more);
+    let ran = run(ltsc().arg("lint").arg(&path).args(["--format", "short"]));
+    assert!(ran.code == Some(3) && ran.out.contains("step-limit"), "{:?}: {}", ran.code, ran.out);
+}
+
+#[test]
+fn loops_without_end_are_stopped() {
+    stopped("let a = [for i in 0..999999: [for j in 0..999999: 1]]");
+}
+
+#[test]
+fn calls_without_end_are_stopped() {
+    let doubled: String = (1..100).map(|i| format!("let f{i}(x: number) = f{0}(x) + f{0}(x)\n", i - 1)).collect();
+    stopped(&format!("let f0(x: number) = x\n{doubled}let a = f99(1)"));
 }
 
 #[test]

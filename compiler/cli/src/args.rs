@@ -128,6 +128,9 @@ pub struct Settings {
     /// Start of the random numbers.
     #[arg(long, value_name = "N")]
     pub seed: Option<u32>,
+    /// The value of a parameter that the scene declares by `param`; may be given several times.
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
     /// The camera to look through [default: the first].
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,

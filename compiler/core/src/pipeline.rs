@@ -5,7 +5,7 @@ use std::io;
 
 use crate::capability::{Support, features};
 use crate::diag::{Finding, Severity, Sources};
-use crate::eval::{self, Allow, Evaluated, Overrides};
+use crate::eval::{self, Allow, Evaluated, Overrides, SceneParameter};
 use crate::files::{Bytes, Files, Sink, VPath};
 use crate::formats::{self, Emission, Target};
 use crate::ir::{Camera, Handle, Scene};
@@ -35,6 +35,8 @@ pub struct Checked {
     pub library: bool,
     /// Every file that was read, by path.
     pub inputs: BTreeMap<VPath, Bytes>,
+    /// The parameters that the scene declares.
+    pub parameters: Vec<SceneParameter>,
 }
 
 impl Checked {
@@ -46,7 +48,7 @@ impl Checked {
 
 /// Reads, evaluates and lints the file at `path`; texts that were read are added to `sources`.
 pub fn check(files: &dyn Files, sources: &mut Sources, path: &VPath, options: &Options) -> Checked {
-    let Evaluated { scene, mut findings, allows, inputs, library } =
+    let Evaluated { scene, mut findings, allows, inputs, library, parameters } =
         eval::evaluate(files, sources, path, &options.overrides);
     let mut linted = scene.as_ref().map(|scene| lint::lint(scene, &options.levels)).unwrap_or_default();
     if !options.no_allow {
@@ -54,7 +56,7 @@ pub fn check(files: &dyn Files, sources: &mut Sources, path: &VPath, options: &O
     }
     findings.append(&mut linted);
     findings.sort_by_key(|finding| finding.origin.span());
-    Checked { scene, findings, library, inputs }
+    Checked { scene, findings, library, inputs, parameters }
 }
 
 /// Gives findings that an `allow` covers the severity [`Severity::Allow`]; says which suppressions are unknown or unused.

@@ -43,8 +43,9 @@ pub fn run(command: &Emit) -> Result<Exit, Failure> {
 
 /// Without a scene: what `build` does for all targets, for one.
 fn all(command: &Emit) -> Result<Exit, Failure> {
-    let crate::args::Settings { width, height, samples, max_depth, seed, camera } = &command.settings;
-    if [width, height, samples, max_depth, seed].into_iter().any(Option::is_some) || camera.is_some() {
+    let crate::args::Settings { width, height, samples, max_depth, seed, set, camera } = &command.settings;
+    if [width, height, samples, max_depth, seed].into_iter().any(Option::is_some) || camera.is_some() || !set.is_empty()
+    {
         return Err(Failure::new(Exit::Usage, "settings go with one scene").help("name the scene"));
     }
     super::build::run(&Build {

@@ -137,9 +137,15 @@ pub fn losses<'s>(scenes: &[(&Valid, &'s Sources)], targets: &[&'static Target],
 }
 
 /// The settings of the command line.
-pub fn overrides(settings: &args::Settings) -> Overrides {
-    let args::Settings { width, height, samples, max_depth, seed, camera: _ } = settings;
-    Overrides { width: *width, height: *height, samples: *samples, seed: *seed, max_depth: *max_depth }
+pub fn overrides(settings: &args::Settings) -> Result<Overrides, Failure> {
+    let args::Settings { width, height, samples, max_depth, seed, set, camera: _ } = settings;
+    let pair = |text: &String| match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() => Ok((name.trim().to_owned(), value.trim().to_owned())),
+        _ => Err(Failure::new(Exit::Usage, format!("`--set {text}` has no value"))
+            .help("write for example `--set alpha=0.2`")),
+    };
+    let set = set.iter().map(pair).collect::<Result<_, _>>()?;
+    Ok(Overrides { width: *width, height: *height, samples: *samples, seed: *seed, max_depth: *max_depth, set })
 }
 
 /// The one scene of a file; findings are printed, and those that forbid to go on end the command.
@@ -172,8 +178,8 @@ pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) ->
     if file.is_dir() {
         return Err(Failure::new(Exit::Usage, format!("{} is a folder", file.display())).help("name one scene"));
     }
-    let overrides = overrides(settings);
-    let files = check(&project, &[file.to_path_buf()], findings, overrides)?;
+    let overrides = overrides(settings)?;
+    let files = check(&project, &[file.to_path_buf()], findings, overrides.clone())?;
     let (exit, _) = report(&files, Vec::new(), findings.format, false);
     if exit != Exit::Done {
         return Ok(Err(exit));
@@ -183,7 +189,7 @@ pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) ->
         let what = if checked.library { "is a library: it has no `scene`" } else { "gives no scene" };
         return Err(Failure::new(Exit::Input, format!("{path} {what}")).help("name a scene that uses it"));
     };
-    let hash = hash(&checked.inputs, overrides);
+    let hash = hash(&checked.inputs, &overrides);
     let camera = camera(&scene, settings.camera.as_deref())?;
     match pipeline::prepare(scene) {
         Ok((scene, remarks)) => Ok(Ok(One { project, sources, scene, camera, hash, remarks })),
@@ -203,7 +209,7 @@ fn camera(scene: &Scene, name: Option<&str>) -> Result<Handle<Camera>, Failure> 
     })
 }
 
-fn hash(inputs: &std::collections::BTreeMap<VPath, ltsc_core::files::Bytes>, overrides: Overrides) -> String {
+fn hash(inputs: &std::collections::BTreeMap<VPath, ltsc_core::files::Bytes>, overrides: &Overrides) -> String {
     let mut hasher = blake3::Hasher::new();
     for (path, bytes) in inputs {
         // Lengths keep two different lists of files from looking alike.

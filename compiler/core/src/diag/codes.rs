@@ -76,6 +76,7 @@ pub const CODES: &[Code] = &[
     ),
     code("mesh-file", "A mesh file was read, and something in it was changed or left out."),
     code("misplaced-name", "A setting that has no name was given one."),
+    code("misplaced-parameters", "A declaration that cannot be a function has parameters."),
     code("misplaced-statement", "A statement stands where it means nothing: a second scene, or a shape in a library."),
     code("misplaced-with", "`with` stands behind something that is neither shape nor emitter."),
     code("missing-argument", "A constructor lacks an argument that has no default."),
@@ -105,6 +106,7 @@ pub const CODES: &[Code] = &[
     ),
     code("not-text", "A scene file is not text in UTF-8."),
     code("number-range", "A number is too large for double precision."),
+    code("parameter-range", "The value of a scene's parameter lies outside its range."),
     code(
         "reflectance-over-one",
         "A surface reflects more light than it receives.\nRenderers clamp it, reject it, or run away, each in its own way.",
@@ -114,6 +116,10 @@ pub const CODES: &[Code] = &[
         "A range runs backwards, or an interval is empty.\nRanges contain both ends: `0..8` are nine numbers.",
     ),
     code("scene-name", "A scene is not named as its file."),
+    code(
+        "step-limit",
+        "A file takes more than ten million calls and iterations.\nThe limit keeps a scene from running without end.",
+    ),
     code(
         "syntax-error",
         "The text does not follow the grammar.\nThe statement is left out, and what stands behind it is still checked.",
@@ -133,7 +139,9 @@ pub const CODES: &[Code] = &[
         "unknown-name",
         "There is no value of this name.\nNames are declared before they are used; names of other files come by `use`.",
     ),
+    code("unknown-parameter", "A parameter was set that the scene does not declare."),
     code("unknown-rule", "A suppression names no rule."),
+    code("unknown-type", "A parameter has an unknown type."),
     code(
         "unknown-unit",
         "A number has an unknown unit.\nAngles have `deg` and `rad`; lengths are scene units, radiance is W/(m2 sr), and both are written without unit.",

@@ -21,7 +21,19 @@ const FIELDS: [&str; 5] = ["paths", "similar", "comments", "source", "license"];
 impl Interpreter<'_> {
     /// The scene of a scene file; none for a library, and where settings are missing.
     pub(super) fn assemble(&mut self, module: Module, path: &VPath, overrides: &Overrides) -> Option<Scene> {
-        let Module { header, items, item_names: _, cameras, film, integrator, sampler, broken, names: _ } = module;
+        let Module {
+            header,
+            items,
+            item_names: _,
+            cameras,
+            film,
+            integrator,
+            sampler,
+            broken,
+            names: _,
+            path: _,
+            depth: _,
+        } = module;
         let header = header?;
         let documentation = self.documentation(&header);
         let Header { name, doc: _, fields: _ } = header;
@@ -198,6 +210,8 @@ struct Builder {
     /// By address; the values are kept alive so that no address is used twice.
     known_meshes: HashMap<*const Mesh, (Handle<Mesh>, Rc<Mesh>)>,
     known_materials: HashMap<MaterialKey, (Handle<Material>, Rc<MaterialValue>)>,
+    /// By name and numbers.
+    equal_materials: HashMap<String, Handle<Material>>,
     black: Option<Handle<Material>>,
 }
 
@@ -208,15 +222,21 @@ impl Builder {
         entry.or_insert_with(|| (meshes.push((**mesh).clone(), span), Rc::clone(mesh))).0
     }
 
-    /// A declared material once; one written in place takes the name of its shape.
+    /// A declared material once, also where equal calls of a function made it; one written in place takes the name of
+    /// its shape.
     fn material(&mut self, material: &Rc<MaterialValue>, shape: &str) -> Handle<Material> {
         let own = material.name.is_none().then(|| shape.to_owned());
+        let key = (Rc::as_ptr(material), own);
+        if let Some((known, _)) = self.known_materials.get(&key) {
+            return *known;
+        }
         let name = material.name.clone().unwrap_or_else(|| shape.to_owned());
         let materials = &mut self.materials;
-        let entry = self.known_materials.entry((Rc::as_ptr(material), own));
-        let make =
-            || (materials.push(Material { name, bsdf: material.bsdf.clone() }, material.span), Rc::clone(material));
-        entry.or_insert_with(make).0
+        let made = Material { name, bsdf: material.bsdf.clone() };
+        let handle =
+            *self.equal_materials.entry(format!("{made:?}")).or_insert_with(|| materials.push(made, material.span));
+        self.known_materials.insert(key, (handle, Rc::clone(material)));
+        handle
     }
 
     /// The surface of emitters that say nothing else.

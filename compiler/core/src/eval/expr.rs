@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use crate::diag::{Finding, Span, nearest};
 use crate::files::{Bytes, ReadError, VPath};
-use crate::syntax::{Call, Clause, Expr, ExprKind};
+use crate::syntax::{Call, Expr, ExprKind};
 
 use super::module::Scope;
 use super::ops;
@@ -48,8 +48,15 @@ impl Interpreter<'_> {
             }
             ExprKind::Comprehension(clauses, body) => {
                 let mut values = Vec::new();
-                self.comprehension(scope, clauses, body, &mut values)?;
-                self.list(values, expr.span)
+                let span = expr.span;
+                self.each(scope, clauses, &mut Vec::new(), &mut |this, scope, _| {
+                    values.push(this.eval(scope, body, None)?);
+                    if values.len() > LIST_LIMIT {
+                        return this.too_long(values.len(), span);
+                    }
+                    Ok(())
+                })?;
+                Ok(Value::List(values.into()))
             }
             ExprKind::Call(call) => self.call(scope, call, wanted),
             ExprKind::Unary(operator, operand) => {
@@ -104,86 +111,17 @@ impl Interpreter<'_> {
     }
 
     fn list(&mut self, values: Vec<Value>, span: Span) -> Result<Value, Reported> {
-        if values.len() <= LIST_LIMIT {
-            return Ok(Value::List(values.into()));
+        if values.len() > LIST_LIMIT {
+            self.too_long(values.len(), span)?;
         }
+        Ok(Value::List(values.into()))
+    }
+
+    fn too_long(&mut self, count: usize, span: Span) -> Result<(), Reported> {
         self.report(
-            Finding::error("list-limit", span, format!("a list has {} elements", values.len()))
+            Finding::error("list-limit", span, format!("a list has {count} elements or more"))
                 .note(format!("at most {LIST_LIMIT} are allowed")),
         )
-    }
-
-    fn comprehension(
-        &mut self,
-        scope: &mut Scope,
-        clauses: &[Clause],
-        body: &Expr,
-        out: &mut Vec<Value>,
-    ) -> Result<(), Reported> {
-        let Some((clause, rest)) = clauses.split_first() else {
-            out.push(self.eval(scope, body, None)?);
-            return Ok(());
-        };
-        let items = self.eval(scope, &clause.over, None)?;
-        let items: Rc<[Value]> = match items {
-            Value::List(items) => items,
-            Value::Range(lo, hi) => self.whole_numbers(lo, hi, clause.over.span)?,
-            other => {
-                return self.report(
-                    Finding::error(
-                        "type-mismatch",
-                        clause.over.span,
-                        format!("a loop runs over a list or a range, not {}", other.kind()),
-                    )
-                    .label(other.kind()),
-                );
-            }
-        };
-        for item in items.iter() {
-            let values: Vec<Value> = match (clause.tuple, item) {
-                (false, item) => vec![item.clone()],
-                (true, Value::Tuple(parts)) => parts.to_vec(),
-                (true, Value::Vector(parts)) => parts.iter().map(|part| Value::Number(*part)).collect(),
-                (true, other) => vec![other.clone()],
-            };
-            if values.len() != clause.names.len() {
-                let span = clause.names.first().map_or(clause.over.span, |name| name.span);
-                let message = format!("{} names stand for {}", clause.names.len(), item.kind());
-                return self.report(Finding::error("type-mismatch", span, message));
-            }
-            let mark = scope.mark();
-            for (name, value) in clause.names.iter().zip(values) {
-                self.declare_inner(scope, name, value);
-            }
-            let made = self.comprehension(scope, rest, body, out);
-            scope.release(mark);
-            made?;
-            if out.len() > LIST_LIMIT {
-                break;
-            }
-        }
-        Ok(())
-    }
-
-    /// The whole numbers of a range, both ends included; `a..a-1` is empty.
-    fn whole_numbers(&mut self, lo: f64, hi: f64, span: Span) -> Result<Rc<[Value]>, Reported> {
-        if lo.fract() != 0.0 || hi.fract() != 0.0 {
-            return self.report(Finding::error("type-mismatch", span, "a loop's range has whole ends"));
-        }
-        let count = hi - lo + 1.0;
-        if count < 0.0 {
-            return self.report(
-                Finding::error("reversed-range", span, format!("the range `{lo}..{hi}` runs backwards"))
-                    .help(format!("write `{hi}..{lo}`, or `reverse(...)` of a list")),
-            );
-        }
-        if count > LIST_LIMIT as f64 {
-            return self.report(
-                Finding::error("list-limit", span, format!("the range has {count} numbers"))
-                    .note(format!("at most {LIST_LIMIT} are allowed")),
-            );
-        }
-        Ok((0..count as u32).map(|step| Value::Number(lo + f64::from(step))).collect())
     }
 
     fn index(&mut self, scope: &mut Scope, of: &Expr, at: &Expr) -> Result<Value, Reported> {
@@ -216,7 +154,7 @@ impl Interpreter<'_> {
         }
     }
 
-    fn name(&mut self, scope: &Scope, name: &str, span: Span) -> Result<Value, Reported> {
+    pub(super) fn name(&mut self, scope: &Scope, name: &str, span: Span) -> Result<Value, Reported> {
         match scope.get(name) {
             Some(Value::Poison) => return Err(Reported),
             Some(value) => return Ok(value.clone()),
@@ -253,25 +191,23 @@ impl Interpreter<'_> {
 
     /// Calls the constructor or function that `call` names.
     fn call(&mut self, scope: &mut Scope, call: &Call, wanted: Option<Family>) -> Result<Value, Reported> {
+        match scope.get(&call.name.text) {
+            Some(Value::Function(function)) => {
+                let function = Rc::clone(function);
+                return self.call_function(scope, call, &function);
+            }
+            Some(Value::Poison) => {
+                self.arguments_only(scope, call);
+                return Err(Reported);
+            }
+            _ => {}
+        }
         let wanted = if call.piped.is_some() { Some(Family::Stage) } else { wanted };
         let Some(row) = table::find(&call.name.text, wanted) else {
-            let known =
-                table::table().filter(|row| wanted.is_none_or(|family| row.family == family)).map(|row| row.name);
-            let similar = nearest(&call.name.text, known)
-                .or_else(|| nearest(&call.name.text, table::table().map(|row| row.name)));
-            let what = wanted.map_or("a constructor or function", Family::words);
-            let mut finding =
-                Finding::error("unknown-constructor", call.name.span, format!("there is no `{}`", call.name.text))
-                    .label(format!("expected {what}"));
-            if scope.get(&call.name.text).is_some() {
-                finding = finding.note(format!("`{0}` is a value and takes no arguments", call.name.text));
-            } else if let Some(family) = wanted {
-                let names: Vec<&str> = table::table().filter(|row| row.family == family).map(|row| row.name).collect();
-                finding = finding.note(format!("known are {}", names.join(", ")));
-            }
+            self.unknown_call(scope, &call.name.text, call.name.span, wanted);
             // The arguments are looked at all the same, for their own errors.
             self.arguments_only(scope, call);
-            return self.report(finding.maybe_help(similar.map(|name| format!("did you mean `{name}`?"))));
+            return Err(Reported);
         };
         let args = self.bind(scope, call, row)?;
         let file = self.sources.get(call.span.file).path.clone();
@@ -317,6 +253,27 @@ impl Interpreter<'_> {
                 Err(Reported)
             }
         }
+    }
+
+    /// Reports a call of something that is no constructor and no function.
+    pub(super) fn unknown_call(&mut self, scope: &Scope, name: &str, span: Span, wanted: Option<Family>) {
+        let fits = table::table().filter(|row| wanted.is_none_or(|family| row.family == family));
+        let known: Vec<&str> = fits.map(|row| row.name).collect();
+        let all = || table::table().map(|row| row.name).chain(scope.names());
+        let similar = nearest(name, known.iter().copied()).or_else(|| nearest(name, all()));
+        let what = wanted.map_or("a constructor or function", Family::words);
+        let mut finding = Finding::error("unknown-constructor", span, format!("there is no `{name}`"))
+            .label(format!("expected {what}"));
+        if scope.get(name).is_some() {
+            finding = finding.note(format!("`{name}` is a value and takes no arguments"));
+        } else if let Some(later) = scope.later(name) {
+            let line = self.sources.position(later.file, later.start).line;
+            finding = finding.also(later, format!("declared below, line {line}"));
+        } else if wanted.is_some() {
+            finding = finding.note(format!("known are {}", known.join(", ")));
+        }
+        let finding = finding.maybe_help(similar.map(|name| format!("did you mean `{name}`?")));
+        self.findings.push(finding);
     }
 
     fn arguments_only(&mut self, scope: &mut Scope, call: &Call) {

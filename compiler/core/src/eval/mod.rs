@@ -1,12 +1,14 @@
 //! Tree to Scene: names, types, units, constructors. Every error is a finding; evaluation goes on behind it.
 //!
-//! Reading order: `value`, `ops`, [`table`] (constructors), `expr` (expressions and calls), `module` (statements and
-//! `use`), `assemble` (the Scene).
+//! Reading order: `value`, `ops`, [`table`] (constructors), `expr` (expressions and calls), `function`, `module` (statements
+//! and `use`), `flow` (loops, conditions, parameters), `assemble` (the Scene).
 
 #![expect(clippy::wildcard_enum_match_arm, reason = "a value of any other type is the same mistake, and is reported")]
 
 mod assemble;
 mod expr;
+mod flow;
+mod function;
 mod module;
 mod ops;
 mod table;
@@ -31,8 +33,11 @@ pub const MESH_LIMIT: u64 = 16 << 30;
 /// The most elements of a list.
 pub const LIST_LIMIT: usize = 1_000_000;
 
+/// The most calls and iterations of a file.
+pub const STEP_LIMIT: u64 = 10_000_000;
+
 /// Settings that replace the scene's own, from the command line.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Overrides {
     /// Pixels, at least 1.
     pub width: Option<u32>,
@@ -44,6 +49,17 @@ pub struct Overrides {
     pub seed: Option<u32>,
     /// Segments of a path, at least 1.
     pub max_depth: Option<u32>,
+    /// Values of the scene's parameters, as texts of expressions; the last one of a name counts.
+    pub set: Vec<(String, String)>,
+}
+
+/// A parameter that a scene declares.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct SceneParameter {
+    /// Its name.
+    pub name: String,
+    /// Its type in words.
+    pub ty: String,
 }
 
 /// A suppression written in a scene: findings of `id` that start in `range` are allowed.
@@ -72,6 +88,8 @@ pub struct Evaluated {
     pub inputs: BTreeMap<VPath, crate::files::Bytes>,
     /// Whether the file has no `scene` and is a library.
     pub library: bool,
+    /// The parameters that the scene declares.
+    pub parameters: Vec<SceneParameter>,
 }
 
 /// Reads and evaluates the file at `path`. Texts that were read are added to `sources`.
@@ -85,17 +103,24 @@ pub fn evaluate(files: &dyn Files, sources: &mut Sources, path: &VPath, override
         loading: Vec::new(),
         inputs: BTreeMap::new(),
         meshes: BTreeMap::new(),
+        steps: 0,
+        call_depth: 0,
+        set: &overrides.set,
+        scene_parameters: Vec::new(),
     };
     let loaded = interpreter.main(path);
+    if loaded.is_some() {
+        interpreter.unknown_settings(path);
+    }
     let library = loaded.as_ref().is_some_and(|module| module.header.is_none());
     let malformed = |found: &[Finding]| found.iter().any(|finding| finding.severity == Severity::Error);
     let mut scene = None;
     if let Some(module) = loaded {
         scene = interpreter.assemble(module, path, overrides).filter(|_| !malformed(&interpreter.findings));
     }
-    let Interpreter { mut findings, allows, inputs, .. } = interpreter;
+    let Interpreter { mut findings, allows, inputs, scene_parameters: parameters, .. } = interpreter;
     findings.sort_by_key(|finding| finding.origin.span());
-    Evaluated { scene, findings, allows, inputs, library }
+    Evaluated { scene, findings, allows, inputs, library, parameters }
 }
 
 /// What has been reported and has no value.
@@ -114,4 +139,12 @@ struct Interpreter<'f> {
     inputs: BTreeMap<VPath, crate::files::Bytes>,
     /// Meshes read from files, by path and part.
     meshes: BTreeMap<(VPath, Option<String>), value::Value>,
+    /// Calls and iterations up to now.
+    steps: u64,
+    /// Calls of functions around the place that is evaluated.
+    call_depth: usize,
+    /// Values of parameters from outside.
+    set: &'f [(String, String)],
+    /// Parameters met.
+    scene_parameters: Vec<SceneParameter>,
 }

@@ -40,7 +40,17 @@ impl Scope {
         self.all.get(name).copied()
     }
 
-    pub(super) fn names(&self) -> impl Iterator<Item = &str> {
+    /// Where `name` is declared.
+    pub(super) fn place(&self, name: &str) -> Option<Span> {
+        self.entry(name).map(|(_, span)| span)
+    }
+
+    /// Puts a name in, whatever was there.
+    pub(super) fn insert(&mut self, name: &str, value: Value, span: Span) {
+        self.names.insert(name.to_owned(), (value, span));
+    }
+
+    pub(super) fn names(&self) -> impl Iterator<Item = &str> + Clone {
         self.names.keys().map(String::as_str).chain(self.inner.iter().map(|(name, _, _)| name.as_str()))
     }
 
@@ -84,6 +94,10 @@ pub(super) struct Module {
     /// Settings whose value has been reported, so that they are not also called missing.
     pub broken: Vec<Kind>,
     pub names: Names,
+    /// The iterations of the loops around the statement that is evaluated.
+    pub path: Vec<String>,
+    /// How many loops and conditions stand around it.
+    pub depth: usize,
 }
 
 impl Interpreter<'_> {
@@ -200,7 +214,7 @@ impl Interpreter<'_> {
         }
     }
 
-    fn statement(&mut self, module: &mut Module, scope: &mut Scope, statement: &Statement) {
+    pub(super) fn statement(&mut self, module: &mut Module, scope: &mut Scope, statement: &Statement) {
         match &statement.kind {
             StatementKind::Version(number) => {
                 if number.span.start > 64 && module.header.is_some() {
@@ -214,9 +228,16 @@ impl Interpreter<'_> {
             StatementKind::Scene { name, fields } => self.header(module, scope, name, fields, &statement.doc),
             StatementKind::Use { names, path } => self.use_names(scope, names, path),
             StatementKind::Declaration { kind, name, params, value, with } => {
-                if params.is_some() {
-                    self.not_yet(statement.span, "functions", "write the value out at each use");
-                    self.poison(scope, name.as_ref());
+                if let Some(params) = params {
+                    self.function_declaration(
+                        module,
+                        scope,
+                        (*kind, statement.span),
+                        name.as_ref(),
+                        params,
+                        value,
+                        with.as_ref(),
+                    );
                     return;
                 }
                 self.declaration(module, scope, *kind, name.as_ref(), value, with.as_ref(), statement.span);
@@ -225,14 +246,17 @@ impl Interpreter<'_> {
                 self.not_yet(statement.span, "groups", "write the shapes at top level");
                 self.poison(scope, Some(name));
             }
-            StatementKind::Parameter { name, .. } => {
-                self.not_yet(statement.span, "scene parameters", "write `let` instead");
-                self.poison(scope, Some(name));
+            StatementKind::Parameter { name, ty, default, range } => {
+                self.parameter(scope, name, ty, default, range.as_ref());
+                if self.loading.len() > 1 {
+                    self.findings.push(
+                        Finding::error("misplaced-statement", statement.span, "a library has no parameters")
+                            .help("give its functions parameters, and declare `param` in the scene"),
+                    );
+                }
             }
-            StatementKind::For { .. } => self.not_yet(statement.span, "loops", "write the statements out"),
-            StatementKind::If { .. } => {
-                self.not_yet(statement.span, "conditional statements", "write `if a then b else c` in a value")
-            }
+            StatementKind::For { clauses, body } => self.for_statement(module, scope, clauses, body),
+            StatementKind::If { branches, otherwise } => self.if_statement(module, scope, branches, otherwise),
             StatementKind::Allow { .. } => {}
         }
     }
@@ -268,6 +292,11 @@ impl Interpreter<'_> {
 
     fn is_free(&mut self, scope: &Scope, name: &Name) -> bool {
         let Some((_, first)) = scope.entry(&name.text) else { return true };
+        self.duplicate(name, first);
+        false
+    }
+
+    pub(super) fn duplicate(&mut self, name: &Name, first: Span) {
         self.findings.push(
             Finding::error("duplicate-name", name.span, format!("`{}` is declared twice", name.text))
                 .label("again")
@@ -275,7 +304,31 @@ impl Interpreter<'_> {
                 .note("values have one space of names, and no name hides another")
                 .help("choose another name"),
         );
-        false
+    }
+
+    /// `kind name(params) = value`
+    #[expect(clippy::too_many_arguments, reason = "the parts of one statement")]
+    fn function_declaration(
+        &mut self,
+        module: &Module,
+        scope: &mut Scope,
+        (kind, span): (Kind, Span),
+        name: Option<&Name>,
+        params: &[syntax::Param],
+        value: &Expr,
+        with: Option<&Expr>,
+    ) {
+        let good = matches!(kind, Kind::Let | Kind::Material | Kind::Mesh) && with.is_none();
+        let Some(name) = name.filter(|_| good) else {
+            self.findings.push(
+                Finding::error("misplaced-parameters", span, format!("a {} takes no parameters", kind.word()))
+                    .note("`let`, `material` and `mesh` can be functions"),
+            );
+            self.poison(scope, name);
+            return;
+        };
+        let made = self.function(scope, kind, name, params, value).unwrap_or(Value::Poison);
+        if module.depth > 0 { self.declare_inner(scope, name, made) } else { self.declare(scope, name, made) }
     }
 
     fn header(&mut self, module: &mut Module, scope: &mut Scope, name: &Name, fields: &[syntax::Field], doc: &str) {
@@ -441,7 +494,7 @@ impl Interpreter<'_> {
             return;
         }
         match kind {
-            Kind::Let | Kind::Material | Kind::Mesh => self.value_declaration(scope, kind, name, value),
+            Kind::Let | Kind::Material | Kind::Mesh => self.value_declaration(module, scope, kind, name, value),
             Kind::Shape | Kind::Emitter => self.item(module, scope, kind, name, value, with, span),
             Kind::Camera | Kind::Film | Kind::Integrator | Kind::Sampler => {
                 self.setting(module, scope, kind, name, value, span)
@@ -458,7 +511,7 @@ impl Interpreter<'_> {
         }
     }
 
-    fn value_declaration(&mut self, scope: &mut Scope, kind: Kind, name: Option<&Name>, value: &Expr) {
+    fn value_declaration(&mut self, module: &Module, scope: &mut Scope, kind: Kind, name: Option<&Name>, value: &Expr) {
         let family = match kind {
             Kind::Material => Some(Family::Material),
             Kind::Mesh => Some(Family::Mesh),
@@ -474,11 +527,13 @@ impl Interpreter<'_> {
             (_, found) => self.wrong_kind(kind, value.span, &found),
         });
         if let Some(name) = name {
-            self.declare(scope, name, evaluated.unwrap_or(Value::Poison));
+            let made = evaluated.unwrap_or(Value::Poison);
+            // What a loop declares is gone behind its iteration.
+            if module.depth > 0 { self.declare_inner(scope, name, made) } else { self.declare(scope, name, made) }
         }
     }
 
-    fn wrong_kind<T>(&mut self, kind: Kind, span: Span, found: &Value) -> Result<T, Reported> {
+    pub(super) fn wrong_kind<T>(&mut self, kind: Kind, span: Span, found: &Value) -> Result<T, Reported> {
         let article = if kind.word().starts_with(['a', 'e', 'i']) { "an" } else { "a" };
         self.report(
             Finding::error(
@@ -541,15 +596,20 @@ impl Interpreter<'_> {
             }
         });
         let (Ok(mesh), Ok((material, emission)), Some(name)) = (mesh, surface, name) else { return };
-        if let Some(first) = module.item_names.insert((emission.is_some(), name.text.clone()), name.span) {
+        let text = if module.path.is_empty() {
+            name.text.clone()
+        } else {
+            format!("{}[{}]", name.text, module.path.join(","))
+        };
+        if let Some(first) = module.item_names.insert((emission.is_some(), text.clone()), name.span) {
             self.findings.push(
-                Finding::error("duplicate-name", name.span, format!("two {}s are named `{}`", kind.word(), name.text))
+                Finding::error("duplicate-name", name.span, format!("two {}s are named `{text}`", kind.word()))
                     .label("again")
                     .also(first, "first here"),
             );
             return;
         }
-        module.items.push(Item { name: name.text.clone(), span, mesh, material, emission });
+        module.items.push(Item { name: text, span, mesh, material, emission });
     }
 
     fn setting(

@@ -86,7 +86,7 @@ fn equality(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wron
 }
 
 /// Whether two values of the same type are equal; none for types that cannot be compared.
-fn same(left: &Value, right: &Value) -> Option<bool> {
+pub(super) fn same(left: &Value, right: &Value) -> Option<bool> {
     match (left, right) {
         (Value::Number(a), Value::Number(b)) | (Value::Angle(a), Value::Angle(b)) => Some(a == b),
         (Value::Bool(a), Value::Bool(b)) => Some(a == b),

@@ -29,6 +29,7 @@ pub(super) enum Value {
     Filter(Rc<Filter>),
     Integrator(Rc<Integrator>),
     Sampler(Rc<Sampler>),
+    Function(Rc<super::function::Function>),
     /// The value of a declaration that has been reported; using it says nothing again.
     Poison,
 }
@@ -96,6 +97,7 @@ impl Value {
             Self::Filter(_) => "a filter",
             Self::Integrator(_) => "an integrator",
             Self::Sampler(_) => "a sampler",
+            Self::Function(_) => "a function",
             Self::Poison => "a value that could not be computed",
         }
     }

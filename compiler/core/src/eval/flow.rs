@@ -1,0 +1,302 @@
+//! Loops, conditions and parameters of a scene.
+
+use std::rc::Rc;
+
+use crate::diag::{Finding, Severity, Span};
+use crate::files::VPath;
+use crate::syntax::{self, Clause, Expr, Name, Statement, StatementKind, Type};
+
+use super::function::Typed;
+use super::module::{Module, Scope};
+use super::value::Value;
+use super::{Interpreter, LIST_LIMIT, Reported, STEP_LIMIT, SceneParameter};
+
+/// Names of the iterations of the loops around a place: values of range variables, indices of list elements.
+pub(super) type Path = Vec<String>;
+
+impl Interpreter<'_> {
+    /// Counts one call or iteration; the limit keeps a scene from running without end.
+    pub(super) fn step(&mut self, span: Span) -> Result<(), Reported> {
+        self.steps += 1;
+        if self.steps <= STEP_LIMIT {
+            return Ok(());
+        }
+        if self.steps == STEP_LIMIT + 1 {
+            self.findings.push(
+                Finding::error("step-limit", span, format!("the file takes more than {STEP_LIMIT} steps"))
+                    .label("reached here")
+                    .note("calls and iterations of loops count as steps"),
+            );
+        }
+        Err(Reported)
+    }
+
+    /// Runs `body` once for each combination of the clauses' elements, with their names declared. Stops at the first
+    /// iteration in which something is wrong, and says which one it was.
+    pub(super) fn each(
+        &mut self,
+        scope: &mut Scope,
+        clauses: &[Clause],
+        path: &mut Path,
+        body: &mut dyn FnMut(&mut Self, &mut Scope, &Path) -> Result<(), Reported>,
+    ) -> Result<(), Reported> {
+        let Some((clause, rest)) = clauses.split_first() else { return body(self, scope, path) };
+        let over = self.eval(scope, &clause.over, None)?;
+        let span = clause.over.span;
+        let (items, first): (Rc<[Value]>, Option<f64>) = match over {
+            Value::List(items) => (items, None),
+            Value::Range(lo, hi) => (self.whole_numbers(lo, hi, span)?, Some(lo)),
+            other => {
+                let message = format!("a loop runs over a list or a range, not {}", other.kind());
+                return self.report(Finding::error("type-mismatch", span, message).label(other.kind()));
+            }
+        };
+        for (at, item) in items.iter().enumerate() {
+            self.step(span)?;
+            let values = self.destructure(clause, item)?;
+            let mark = scope.mark();
+            for (name, value) in clause.names.iter().zip(values) {
+                self.declare_inner(scope, name, value);
+            }
+            path.push(first.map_or_else(|| at.to_string(), |lo| format!("{}", lo + at as f64)));
+            let before = self.findings.len();
+            let done = self.each(scope, rest, path, body);
+            let broken = done.is_err() || self.findings[before..].iter().any(|found| found.severity == Severity::Error);
+            if broken {
+                let names: Vec<&str> = clause.names.iter().map(|name| name.text.as_str()).collect();
+                let place = path.last().cloned().unwrap_or_default();
+                let what = if first.is_some() { "" } else { "element " };
+                let note = format!("in the iteration `{}` = {what}{place}", names.join(", "));
+                for finding in self.findings[before..].iter_mut().filter(|found| found.severity == Severity::Error) {
+                    finding.notes.push(note.clone());
+                }
+            }
+            path.pop();
+            scope.release(mark);
+            if broken {
+                return Err(Reported);
+            }
+        }
+        Ok(())
+    }
+
+    /// The parts of an element that a clause names.
+    fn destructure(&mut self, clause: &Clause, item: &Value) -> Result<Vec<Value>, Reported> {
+        let values: Vec<Value> = match (clause.tuple, item) {
+            (true, Value::Tuple(parts)) => parts.to_vec(),
+            (true, Value::Vector(parts)) => parts.iter().map(|part| Value::Number(*part)).collect(),
+            (_, item) => vec![item.clone()],
+        };
+        if values.len() == clause.names.len() {
+            return Ok(values);
+        }
+        let span = clause.names.first().map_or(clause.over.span, |name| name.span);
+        self.report(
+            Finding::error("type-mismatch", span, format!("{} names stand for {}", clause.names.len(), item.kind()))
+                .help("give as many names as the tuple has parts"),
+        )
+    }
+
+    /// The whole numbers of a range, both ends included; `a..a-1` is empty.
+    fn whole_numbers(&mut self, lo: f64, hi: f64, span: Span) -> Result<Rc<[Value]>, Reported> {
+        if lo.fract() != 0.0 || hi.fract() != 0.0 {
+            return self.report(Finding::error("type-mismatch", span, "a loop's range has whole ends"));
+        }
+        let count = hi - lo + 1.0;
+        if count < 0.0 {
+            return self.report(
+                Finding::error("reversed-range", span, format!("the range `{lo}..{hi}` runs backwards"))
+                    .help(format!("write `{hi}..{lo}`, or `reverse(...)` of a list")),
+            );
+        }
+        if count > LIST_LIMIT as f64 {
+            return self.report(
+                Finding::error("list-limit", span, format!("the range has {count} numbers"))
+                    .note(format!("at most {LIST_LIMIT} are allowed")),
+            );
+        }
+        Ok((0..count as u32).map(|step| Value::Number(lo + f64::from(step))).collect())
+    }
+
+    /// `for ... { statements }`
+    pub(super) fn for_statement(
+        &mut self,
+        module: &mut Module,
+        scope: &mut Scope,
+        clauses: &[Clause],
+        body: &[Statement],
+    ) {
+        let mut path = std::mem::take(&mut module.path);
+        let _reported = self.each(scope, clauses, &mut path, &mut |this, scope, path| {
+            module.path.clone_from(path);
+            this.block(module, scope, body);
+            Ok(())
+        });
+        module.path = path;
+    }
+
+    /// `if ... { statements } else { statements }`
+    pub(super) fn if_statement(
+        &mut self,
+        module: &mut Module,
+        scope: &mut Scope,
+        branches: &[(Expr, Vec<Statement>)],
+        otherwise: &[Statement],
+    ) {
+        for (condition, body) in branches {
+            match self.eval(scope, condition, None) {
+                Ok(Value::Bool(true)) => return self.block(module, scope, body),
+                Ok(Value::Bool(false)) => {}
+                Ok(other) => {
+                    let message = format!("a condition is true or false, not {}", other.kind());
+                    self.findings.push(Finding::error("type-mismatch", condition.span, message).label(other.kind()));
+                    return;
+                }
+                Err(Reported) => return,
+            }
+        }
+        self.block(module, scope, otherwise);
+    }
+
+    /// The statements of a loop or a condition, whose names go out of sight behind it.
+    fn block(&mut self, module: &mut Module, scope: &mut Scope, body: &[Statement]) {
+        let mark = scope.mark();
+        module.depth += 1;
+        for statement in body {
+            let misplaced = match &statement.kind {
+                StatementKind::Version(_) => Some("`lts`"),
+                StatementKind::Scene { .. } => Some("`scene`"),
+                StatementKind::Use { .. } => Some("`use`"),
+                StatementKind::Parameter { .. } => Some("`param`"),
+                StatementKind::Declaration { kind, .. } => match kind {
+                    syntax::Kind::Camera | syntax::Kind::Film | syntax::Kind::Integrator | syntax::Kind::Sampler => {
+                        Some("a setting")
+                    }
+                    _ => None,
+                },
+                _ => None,
+            };
+            match misplaced {
+                Some(what) => {
+                    let message = format!("{what} stands inside a loop or a condition");
+                    self.findings.push(
+                        Finding::error("misplaced-statement", statement.span, message).help("move it to the top level"),
+                    );
+                }
+                None => self.statement(module, scope, statement),
+            }
+        }
+        module.depth -= 1;
+        scope.release(mark);
+    }
+
+    /// `param NAME: type = default in range`
+    pub(super) fn parameter(
+        &mut self,
+        scope: &mut Scope,
+        name: &Name,
+        ty: &Type,
+        default: &Expr,
+        range: Option<&Expr>,
+    ) {
+        let value = self.parameter_value(scope, name, ty, default, range);
+        self.declare(scope, name, value.unwrap_or(Value::Poison));
+    }
+
+    fn parameter_value(
+        &mut self,
+        scope: &mut Scope,
+        name: &Name,
+        ty: &Type,
+        default: &Expr,
+        range: Option<&Expr>,
+    ) -> Result<Value, Reported> {
+        let typed = Typed::new(self, ty);
+        let written = self.eval(scope, default, None);
+        let allowed = range.map(|range| self.eval(scope, range, None)).transpose();
+        let (typed, written, allowed) = (typed?, written?, allowed?);
+        let mut value = self.accept(&typed, written, default.span, &name.text)?;
+        self.in_range(&value, allowed.as_ref(), default.span, name)?;
+        self.scene_parameters.push(SceneParameter { name: name.text.clone(), ty: typed.words() });
+        let given = self.set.iter().rev().find(|(given, _)| *given == name.text).map(|(_, text)| text.clone());
+        if let Some(text) = given {
+            let (set, span) = self.parse_setting(scope, name, &text)?;
+            value = self.accept(&typed, set, span, &name.text)?;
+            self.in_range(&value, allowed.as_ref(), span, name)?;
+        }
+        Ok(value)
+    }
+
+    /// The value of a parameter that was given from outside, as the text of an expression.
+    fn parse_setting(&mut self, scope: &mut Scope, name: &Name, text: &str) -> Result<(Value, Span), Reported> {
+        let source = format!("let value = {text}");
+        let file = self.sources.add(format!("--set {}={text}", name.text), source.as_str());
+        let (tree, findings) = syntax::parse(file, &source);
+        let bad = !findings.is_empty();
+        self.findings.extend(findings);
+        let mut statements = tree.statements.into_iter();
+        match (statements.next().map(|statement| statement.kind), statements.next(), bad) {
+            (Some(StatementKind::Declaration { value, params: None, with: None, .. }), None, false) => {
+                let made = self.eval(scope, &value, None)?;
+                Ok((made, value.span))
+            }
+            (_, _, true) => Err(Reported),
+            (_, _, false) => {
+                let span = Span::new(file, 12, source.len());
+                self.report(Finding::error("syntax-error", span, "a parameter is set to one value"))
+            }
+        }
+    }
+
+    fn in_range(&mut self, value: &Value, allowed: Option<&Value>, span: Span, name: &Name) -> Result<(), Reported> {
+        let Some(allowed) = allowed else { return Ok(()) };
+        let inside = match (value, allowed) {
+            (Value::Number(n), Value::Range(lo, hi)) => (*lo..=*hi).contains(n),
+            (value, Value::List(items)) => items.iter().any(|item| super::ops::same(value, item) == Some(true)),
+            _ => {
+                return self.report(
+                    Finding::error(
+                        "type-mismatch",
+                        name.span,
+                        format!("`in` takes a range of numbers or a list, not {}", allowed.kind()),
+                    )
+                    .help("write for example `in 0.01..1`, or `in [\"a\", \"b\"]`"),
+                );
+            }
+        };
+        if inside {
+            return Ok(());
+        }
+        let allowed = match allowed {
+            Value::Range(lo, hi) => format!("allowed is {lo}..{hi}"),
+            _ => "it is not in the list".to_owned(),
+        };
+        self.report(
+            Finding::error("parameter-range", span, format!("the value of `{}` is not allowed", name.text))
+                .label(allowed)
+                .also(name.span, "declared here"),
+        )
+    }
+
+    /// Parameters that were given from outside and that the scene does not have.
+    pub(super) fn unknown_settings(&mut self, path: &VPath) {
+        let known: Vec<&str> = self.scene_parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+        let mut findings = Vec::new();
+        for (name, _) in self.set {
+            if known.contains(&name.as_str()) {
+                continue;
+            }
+            let origin = crate::diag::Origin::File { path: path.to_string(), place: String::new() };
+            let similar =
+                crate::diag::nearest(name, known.iter().copied()).map(|name| format!("did you mean `{name}`?"));
+            let list = if known.is_empty() {
+                "the scene has none".to_owned()
+            } else {
+                format!("the scene has {}", known.join(", "))
+            };
+            let finding = Finding::error("unknown-parameter", origin, format!("the scene has no parameter `{name}`"));
+            findings.push(finding.note(list).maybe_help(similar));
+        }
+        self.findings.extend(findings);
+    }
+}

@@ -1,0 +1,390 @@
+//! Functions: declarations with parameters. A function sees what its file declares above it; there is no recursion.
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use crate::diag::{Finding, Severity, Span, nearest};
+use crate::syntax::{Call, Clause, Expr, ExprKind, Kind, Name, Param, Type};
+
+use super::module::Scope;
+use super::table::{self, Family};
+use super::value::{MaterialValue, Ty, Value};
+use super::{Interpreter, Reported};
+
+/// How deep calls of functions may nest.
+const CALL_DEPTH: usize = 128;
+
+/// A function with everything that its body names.
+#[derive(Debug)]
+pub(super) struct Function {
+    pub name: String,
+    kind: Kind,
+    params: Vec<Parameter>,
+    body: Expr,
+    /// Values of the names in the body that are no parameters.
+    captured: BTreeMap<String, Value>,
+    span: Span,
+}
+
+#[derive(Debug)]
+struct Parameter {
+    name: Name,
+    ty: Typed,
+    default: Option<Value>,
+}
+
+/// A type as a parameter declares it.
+#[derive(Clone, Debug)]
+pub(super) struct Typed {
+    of: Element,
+    lists: usize,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Element {
+    Table(Ty),
+    Vec2,
+    Range,
+}
+
+/// The words for types.
+const TYPES: [&str; 10] = ["number", "angle", "bool", "string", "color", "vec2", "vec3", "range", "material", "mesh"];
+
+impl Typed {
+    /// The type that is written.
+    pub(super) fn new(interpreter: &mut Interpreter<'_>, ty: &Type) -> Result<Self, Reported> {
+        let of = match ty.name.text.as_str() {
+            "number" => Element::Table(Ty::Number),
+            "angle" => Element::Table(Ty::Angle),
+            "bool" => Element::Table(Ty::Bool),
+            "string" => Element::Table(Ty::String),
+            "color" => Element::Table(Ty::Color),
+            "vec2" => Element::Vec2,
+            "vec3" => Element::Table(Ty::Vec3),
+            "range" => Element::Range,
+            "material" => Element::Table(Ty::Material),
+            "mesh" => Element::Table(Ty::Mesh),
+            other => {
+                let similar = nearest(other, TYPES).map(|name| format!("did you mean `{name}`?"));
+                return interpreter.report(
+                    Finding::error("unknown-type", ty.name.span, format!("there is no type `{other}`"))
+                        .note(format!("known are {}, and lists of them in brackets", TYPES.join(", ")))
+                        .maybe_help(similar),
+                );
+            }
+        };
+        Ok(Self { of, lists: ty.lists })
+    }
+
+    /// The type in words.
+    pub(super) fn words(&self) -> String {
+        let element = match self.of {
+            Element::Table(ty) => ty.words(),
+            Element::Vec2 => "a vector of 2",
+            Element::Range => "a range",
+        };
+        if self.lists == 0 {
+            return element.to_owned();
+        }
+        let word = element.trim_start_matches("an ").trim_start_matches("a ");
+        let (first, rest) =
+            word.split_once(' ').map_or((word, String::new()), |(first, rest)| (first, format!(" {rest}")));
+        format!("{}a list of {first}s{rest}", "a list of lists: ".repeat(self.lists - 1))
+    }
+
+    fn family(&self) -> Option<Family> {
+        match (self.of, self.lists) {
+            (Element::Table(Ty::Material), 0) => Some(Family::Material),
+            (Element::Table(Ty::Mesh), 0) => Some(Family::Mesh),
+            _ => None,
+        }
+    }
+
+    fn check(&self, value: Value, lists: usize) -> Result<Value, ()> {
+        if lists > 0 {
+            let Value::List(items) = value else { return Err(()) };
+            let items: Result<Vec<Value>, ()> = items.iter().map(|item| self.check(item.clone(), lists - 1)).collect();
+            return items.map(|items| Value::List(items.into()));
+        }
+        match (self.of, value) {
+            (Element::Table(ty), value) => ty.accept(value).map_err(|_| ()),
+            (Element::Vec2, Value::Vector(parts)) if parts.len() == 2 => Ok(Value::Vector(parts)),
+            (Element::Range, Value::Range(lo, hi)) => Ok(Value::Range(lo, hi)),
+            (Element::Vec2 | Element::Range, _) => Err(()),
+        }
+    }
+}
+
+impl Interpreter<'_> {
+    /// `value` as the type of the parameter `name`.
+    pub(super) fn accept(&mut self, ty: &Typed, value: Value, span: Span, name: &str) -> Result<Value, Reported> {
+        let kind = value.kind();
+        if matches!(value, Value::Poison) {
+            return Err(Reported);
+        }
+        let number = if let Value::Number(n) = &value { Some(*n) } else { None };
+        if let Ok(value) = ty.check(value, ty.lists) {
+            return Ok(value);
+        }
+        match (ty.of, number) {
+            (Element::Table(Ty::Angle), Some(n)) if ty.lists == 0 => self.report(
+                Finding::error("missing-unit", span, format!("`{name}` takes an angle, and this number has no unit"))
+                    .label("no unit")
+                    .help(format!("write `{n}deg` or `{n}rad`")),
+            ),
+            _ => self.report(
+                Finding::error("type-mismatch", span, format!("`{name}` takes {}, not {kind}", ty.words())).label(kind),
+            ),
+        }
+    }
+
+    /// The function of `kind name(params) = body`.
+    pub(super) fn function(
+        &mut self,
+        scope: &mut Scope,
+        kind: Kind,
+        name: &Name,
+        params: &[Param],
+        body: &Expr,
+    ) -> Result<Value, Reported> {
+        let mut made = Vec::new();
+        let mut good = true;
+        for param in params {
+            let twin =
+                made.iter().find(|known: &&Parameter| known.name.text == param.name.text).map(|known| known.name.span);
+            if let Some(first) = twin.or_else(|| scope.place(&param.name.text)) {
+                self.duplicate(&param.name, first);
+                good = false;
+                continue;
+            }
+            let ty = Typed::new(self, &param.ty);
+            let default = param
+                .default
+                .as_ref()
+                .map(|default| self.eval(scope, default, None).map(|value| (value, default.span)));
+            let Ok(ty) = ty else {
+                good = false;
+                continue;
+            };
+            let default = match default {
+                None => None,
+                Some(Ok((value, span))) => self.accept(&ty, value, span, &param.name.text).ok(),
+                Some(Err(Reported)) => None,
+            };
+            good &= default.is_some() == param.default.is_some();
+            made.push(Parameter { name: param.name.clone(), ty, default });
+        }
+        let mut names = Free { found: Vec::new(), bound: params.iter().map(|param| param.name.text.clone()).collect() };
+        names.expr(body);
+        let mut captured = BTreeMap::new();
+        for (text, span, called) in names.found {
+            if let Some(value) = scope.get(&text) {
+                captured.insert(text, value.clone());
+            } else if called && table::find(&text, None).is_some()
+                || !called && matches!(text.as_str(), "X" | "Y" | "Z" | "PI")
+            {
+            } else if called && text == name.text {
+                self.findings.push(
+                    Finding::error("unknown-name", span, format!("the function `{text}` calls itself"))
+                        .label("not declared yet")
+                        .note("functions see what stands above them, so that every scene ends")
+                        .help("write a loop, or a list: `[for i in 0..3: ...]`"),
+                );
+                good = false;
+            } else if called {
+                self.unknown_call(scope, &text, span, None);
+                good = false;
+            } else {
+                good &= self.name(scope, &text, span).is_ok();
+            }
+        }
+        if !good {
+            return Err(Reported);
+        }
+        Ok(Value::Function(Rc::new(Function {
+            name: name.text.clone(),
+            kind,
+            params: made,
+            body: body.clone(),
+            captured,
+            span: name.span,
+        })))
+    }
+
+    /// Calls a user's function; errors in its body point back to the call.
+    pub(super) fn call_function(
+        &mut self,
+        scope: &mut Scope,
+        call: &Call,
+        function: &Rc<Function>,
+    ) -> Result<Value, Reported> {
+        self.step(call.span)?;
+        if self.call_depth >= CALL_DEPTH {
+            return self.report(Finding::error(
+                "nesting-limit",
+                call.span,
+                format!("functions call each other more than {CALL_DEPTH} levels deep"),
+            ));
+        }
+        let values = self.bind_function(scope, call, function)?;
+        let mut inner = Scope::default();
+        for (name, value) in &function.captured {
+            inner.insert(name, value.clone(), function.span);
+        }
+        for (param, value) in function.params.iter().zip(values) {
+            inner.insert(&param.name.text, value, param.name.span);
+        }
+        let family = match function.kind {
+            Kind::Material => Some(Family::Material),
+            Kind::Mesh => Some(Family::Mesh),
+            _ => None,
+        };
+        let before = self.findings.len();
+        self.call_depth += 1;
+        let made = self.eval(&mut inner, &function.body, family);
+        self.call_depth -= 1;
+        let made = made.and_then(|value| match (function.kind, value) {
+            (Kind::Material, Value::Material(material)) => {
+                // Equal calls make one material: it is known by the function's name.
+                let name = Some(function.name.clone());
+                Ok(Value::Material(Rc::new(MaterialValue { name, bsdf: material.bsdf.clone(), span: call.span })))
+            }
+            (Kind::Material | Kind::Mesh, value)
+                if !matches!((function.kind, &value), (Kind::Mesh, Value::Mesh(_))) =>
+            {
+                self.wrong_kind(function.kind, function.body.span, &value)
+            }
+            (_, value) => Ok(value),
+        });
+        for finding in self.findings[before..].iter_mut().filter(|finding| finding.severity == Severity::Error) {
+            if finding.labels.len() < 4 {
+                finding
+                    .labels
+                    .push(crate::diag::Label { span: call.span, text: format!("in this call of `{}`", function.name) });
+            }
+        }
+        made
+    }
+
+    fn bind_function(&mut self, scope: &mut Scope, call: &Call, function: &Function) -> Result<Vec<Value>, Reported> {
+        let mut given: Vec<Option<(Value, Span)>> = function.params.iter().map(|_| None).collect();
+        let mut good = true;
+        let mut next = 0;
+        let piped = call.piped.iter().map(|value| (None, value));
+        for (label, value) in piped.chain(call.args.iter().map(|arg| (arg.label.as_ref(), &arg.value))) {
+            let at = match label {
+                Some(label) => function.params.iter().position(|param| param.name.text == label.text),
+                None => {
+                    next += 1;
+                    Some(next - 1).filter(|at| *at < function.params.len())
+                }
+            };
+            let Some(at) = at else {
+                let names: Vec<&str> = function.params.iter().map(|param| param.name.text.as_str()).collect();
+                let finding = match label {
+                    Some(label) => {
+                        let similar = nearest(&label.text, names.iter().copied());
+                        Finding::error(
+                            "unknown-argument",
+                            label.span,
+                            format!("`{}` has no argument `{}`", function.name, label.text),
+                        )
+                        .maybe_help(similar.map(|name| format!("did you mean `{name}`?")))
+                    }
+                    None => Finding::error(
+                        "unknown-argument",
+                        value.span,
+                        format!("`{}` takes fewer arguments", function.name),
+                    )
+                    .label("one too many"),
+                };
+                self.findings.push(
+                    finding
+                        .note(format!("it is `{}({})`", function.name, names.join(", ")))
+                        .also(function.span, "declared here"),
+                );
+                good = false;
+                continue;
+            };
+            if let Some((_, first)) = &given[at] {
+                let message = format!("`{}` is given twice", function.params[at].name.text);
+                self.findings.push(
+                    Finding::error("unknown-argument", value.span, message).label("again").also(*first, "first here"),
+                );
+                good = false;
+                continue;
+            }
+            let param = &function.params[at];
+            let made = self.eval(scope, value, param.ty.family());
+            match made.and_then(|found| self.accept(&param.ty, found, value.span, &param.name.text)) {
+                Ok(found) => given[at] = Some((found, value.span)),
+                Err(Reported) => good = false,
+            }
+        }
+        let mut values = Vec::new();
+        for (param, given) in function.params.iter().zip(given) {
+            match given.map(|(value, _)| value).or_else(|| param.default.clone()) {
+                Some(value) => values.push(value),
+                None if good => {
+                    let message = format!("`{}` needs `{}`", function.name, param.name.text);
+                    self.findings.push(
+                        Finding::error("missing-argument", call.name.span, message)
+                            .label(format!("`{}` is missing: {}", param.name.text, param.ty.words()))
+                            .also(param.name.span, "declared here"),
+                    );
+                    good = false;
+                }
+                None => {}
+            }
+        }
+        if good { Ok(values) } else { Err(Reported) }
+    }
+}
+
+/// Finds the names of an expression that nothing in it binds.
+struct Free {
+    /// Name, place, and whether it is called.
+    found: Vec<(String, Span, bool)>,
+    bound: Vec<String>,
+}
+
+impl Free {
+    fn name(&mut self, text: &str, span: Span, called: bool) {
+        if !self.bound.iter().any(|bound| bound == text) {
+            self.found.push((text.to_owned(), span, called));
+        }
+    }
+
+    fn expr(&mut self, expr: &Expr) {
+        match &expr.kind {
+            ExprKind::Number(_) | ExprKind::Unit(..) | ExprKind::String(_) | ExprKind::Bool(_) | ExprKind::Row(_) => {}
+            ExprKind::Name(text) => self.name(text, expr.span, false),
+            ExprKind::Tuple(parts) | ExprKind::List(parts) => parts.iter().for_each(|part| self.expr(part)),
+            ExprKind::Comprehension(clauses, body) => self.comprehension(clauses, body),
+            ExprKind::Call(call) => {
+                self.name(&call.name.text, call.name.span, true);
+                call.piped.iter().chain(call.args.iter().map(|arg| &arg.value)).for_each(|part| self.expr(part));
+            }
+            ExprKind::Unary(_, of) | ExprKind::Member(of, _) => self.expr(of),
+            ExprKind::Binary(_, _, both) | ExprKind::Index(both) => {
+                self.expr(&both.0);
+                self.expr(&both.1);
+            }
+            ExprKind::If(parts) => {
+                self.expr(&parts.0);
+                self.expr(&parts.1);
+                self.expr(&parts.2);
+            }
+        }
+    }
+
+    fn comprehension(&mut self, clauses: &[Clause], body: &Expr) {
+        let before = self.bound.len();
+        for clause in clauses {
+            self.expr(&clause.over);
+            self.bound.extend(clause.names.iter().map(|name| name.text.clone()));
+        }
+        self.expr(body);
+        self.bound.truncate(before);
+    }
+}
