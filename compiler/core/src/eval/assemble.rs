@@ -21,19 +21,7 @@ const FIELDS: [&str; 5] = ["paths", "similar", "comments", "source", "license"];
 impl Interpreter<'_> {
     /// The scene of a scene file; none for a library, and where settings are missing.
     pub(super) fn assemble(&mut self, module: Module, path: &VPath, overrides: &Overrides) -> Option<Scene> {
-        let Module {
-            header,
-            items,
-            item_names: _,
-            cameras,
-            film,
-            integrator,
-            sampler,
-            broken,
-            names: _,
-            path: _,
-            depth: _,
-        } = module;
+        let Module { header, items, cameras, film, integrator, sampler, broken, .. } = module;
         let header = header?;
         let documentation = self.documentation(&header);
         let Header { name, doc: _, fields: _ } = header;
@@ -198,9 +186,6 @@ fn split_doc(doc: &str) -> (String, String) {
     (lines[..end].join(" ").trim().to_owned(), lines[end..].join("\n").trim().to_owned())
 }
 
-/// A material by its address and, where it has no name of its own, the shape whose name it takes.
-type MaterialKey = (*const MaterialValue, Option<String>);
-
 /// The arenas in the making.
 #[derive(Default)]
 struct Builder {
@@ -209,7 +194,7 @@ struct Builder {
     shapes: Arena<Shape>,
     /// By address; the values are kept alive so that no address is used twice.
     known_meshes: HashMap<*const Mesh, (Handle<Mesh>, Rc<Mesh>)>,
-    known_materials: HashMap<MaterialKey, (Handle<Material>, Rc<MaterialValue>)>,
+    known_materials: HashMap<*const MaterialValue, (Handle<Material>, Rc<MaterialValue>)>,
     /// By name and numbers.
     equal_materials: HashMap<String, Handle<Material>>,
     black: Option<Handle<Material>>,
@@ -223,10 +208,9 @@ impl Builder {
     }
 
     /// A declared material once, also where equal calls of a function made it; one written in place takes the name of
-    /// its shape.
+    /// the first shape that it is made for.
     fn material(&mut self, material: &Rc<MaterialValue>, shape: &str) -> Handle<Material> {
-        let own = material.name.is_none().then(|| shape.to_owned());
-        let key = (Rc::as_ptr(material), own);
+        let key = Rc::as_ptr(material);
         if let Some((known, _)) = self.known_materials.get(&key) {
             return *known;
         }

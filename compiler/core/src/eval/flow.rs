@@ -158,8 +158,8 @@ impl Interpreter<'_> {
         self.block(module, scope, otherwise);
     }
 
-    /// The statements of a loop or a condition, whose names go out of sight behind it.
-    fn block(&mut self, module: &mut Module, scope: &mut Scope, body: &[Statement]) {
+    /// The statements of a group, a loop or a condition, whose names go out of sight behind it.
+    pub(super) fn block(&mut self, module: &mut Module, scope: &mut Scope, body: &[Statement]) {
         let mark = scope.mark();
         module.depth += 1;
         for statement in body {
@@ -178,7 +178,7 @@ impl Interpreter<'_> {
             };
             match misplaced {
                 Some(what) => {
-                    let message = format!("{what} stands inside a loop or a condition");
+                    let message = format!("{what} stands inside braces");
                     self.findings.push(
                         Finding::error("misplaced-statement", statement.span, message).help("move it to the top level"),
                     );

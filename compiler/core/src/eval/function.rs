@@ -1,14 +1,16 @@
-//! Functions: declarations with parameters. A function sees what its file declares above it; there is no recursion.
+//! Functions and groups: declarations with parameters. A function sees what its file declares above it; there is no recursion.
 
+use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use crate::diag::{Finding, Severity, Span, nearest};
-use crate::syntax::{Call, Clause, Expr, ExprKind, Kind, Name, Param, Type};
+use crate::ir::Affine;
+use crate::syntax::{Call, Clause, Expr, ExprKind, Kind, Name, Param, Statement, Type};
 
-use super::module::Scope;
+use super::module::{Module, Scope};
 use super::table::{self, Family};
-use super::value::{MaterialValue, Ty, Value};
+use super::value::{GroupValue, MaterialValue, Ty, Value};
 use super::{Interpreter, Reported};
 
 /// How deep calls of functions may nest.
@@ -20,10 +22,19 @@ pub(super) struct Function {
     pub name: String,
     kind: Kind,
     params: Vec<Parameter>,
-    body: Expr,
-    /// Values of the names in the body that are no parameters.
+    body: Body,
+    /// Values of the names that the body may use and that are no parameters.
     captured: BTreeMap<String, Value>,
     span: Span,
+    /// Groups that calls have made, by their arguments: equal calls are one group.
+    made: RefCell<BTreeMap<String, Value>>,
+}
+
+/// What a function is made of.
+#[derive(Debug)]
+enum Body {
+    Value(Expr),
+    Group(Vec<Statement>),
 }
 
 #[derive(Debug)]
@@ -115,6 +126,13 @@ impl Typed {
     }
 }
 
+impl Function {
+    /// Whether calls of it are groups.
+    pub(super) fn makes_groups(&self) -> bool {
+        self.kind == Kind::Group
+    }
+}
+
 impl Interpreter<'_> {
     /// `value` as the type of the parameter `name`.
     pub(super) fn accept(&mut self, ty: &Typed, value: Value, span: Span, name: &str) -> Result<Value, Reported> {
@@ -147,33 +165,7 @@ impl Interpreter<'_> {
         params: &[Param],
         body: &Expr,
     ) -> Result<Value, Reported> {
-        let mut made = Vec::new();
-        let mut good = true;
-        for param in params {
-            let twin =
-                made.iter().find(|known: &&Parameter| known.name.text == param.name.text).map(|known| known.name.span);
-            if let Some(first) = twin.or_else(|| scope.place(&param.name.text)) {
-                self.duplicate(&param.name, first);
-                good = false;
-                continue;
-            }
-            let ty = Typed::new(self, &param.ty);
-            let default = param
-                .default
-                .as_ref()
-                .map(|default| self.eval(scope, default, None).map(|value| (value, default.span)));
-            let Ok(ty) = ty else {
-                good = false;
-                continue;
-            };
-            let default = match default {
-                None => None,
-                Some(Ok((value, span))) => self.accept(&ty, value, span, &param.name.text).ok(),
-                Some(Err(Reported)) => None,
-            };
-            good &= default.is_some() == param.default.is_some();
-            made.push(Parameter { name: param.name.clone(), ty, default });
-        }
+        let (made, mut good) = self.parameters(scope, params);
         let mut names = Free { found: Vec::new(), bound: params.iter().map(|param| param.name.text.clone()).collect() };
         names.expr(body);
         let mut captured = BTreeMap::new();
@@ -205,10 +197,93 @@ impl Interpreter<'_> {
             name: name.text.clone(),
             kind,
             params: made,
-            body: body.clone(),
+            body: Body::Value(body.clone()),
             captured,
             span: name.span,
+            made: RefCell::default(),
         })))
+    }
+
+    /// The parameters of a function, and whether all of them are good.
+    fn parameters(&mut self, scope: &mut Scope, params: &[Param]) -> (Vec<Parameter>, bool) {
+        let mut made = Vec::new();
+        let mut good = true;
+        for param in params {
+            let twin =
+                made.iter().find(|known: &&Parameter| known.name.text == param.name.text).map(|known| known.name.span);
+            if let Some(first) = twin.or_else(|| scope.place(&param.name.text)) {
+                self.duplicate(&param.name, first);
+                good = false;
+                continue;
+            }
+            let ty = Typed::new(self, &param.ty);
+            let default = param
+                .default
+                .as_ref()
+                .map(|default| self.eval(scope, default, None).map(|value| (value, default.span)));
+            let Ok(ty) = ty else {
+                good = false;
+                continue;
+            };
+            let default = match default {
+                None => None,
+                Some(Ok((value, span))) => self.accept(&ty, value, span, &param.name.text).ok(),
+                Some(Err(Reported)) => None,
+            };
+            good &= default.is_some() == param.default.is_some();
+            made.push(Parameter { name: param.name.clone(), ty, default });
+        }
+        (made, good)
+    }
+
+    /// The value of `group name(params) { statements }`: a group, or with parameters a function that makes groups.
+    pub(super) fn group(
+        &mut self,
+        scope: &mut Scope,
+        name: &Name,
+        params: &[Param],
+        body: &[Statement],
+    ) -> Result<Value, Reported> {
+        let (params, good) = self.parameters(scope, params);
+        if !good {
+            return Err(Reported);
+        }
+        let plain = params.is_empty();
+        let function = Function {
+            name: name.text.clone(),
+            kind: Kind::Group,
+            params,
+            body: Body::Group(body.to_vec()),
+            captured: scope.values(),
+            span: name.span,
+            made: RefCell::default(),
+        };
+        if plain { self.group_items(&function, &[]) } else { Ok(Value::Function(Rc::new(function))) }
+    }
+
+    /// Evaluates the statements of a group with the parameters' values.
+    fn group_items(&mut self, function: &Function, values: &[Value]) -> Result<Value, Reported> {
+        let Body::Group(body) = &function.body else { return Err(Reported) };
+        let mut scope = Self::inner_scope(function, values);
+        let mut module = Module { depth: 1, ..Module::default() };
+        let before = self.findings.len();
+        self.block(&mut module, &mut scope, body);
+        if self.findings[before..].iter().any(|finding| finding.severity == Severity::Error) {
+            return Err(Reported);
+        }
+        Ok(Value::Group(GroupValue { items: module.items.into(), transform: Affine::IDENTITY }))
+    }
+
+    /// The names that the body of a function sees.
+    fn inner_scope(function: &Function, values: &[Value]) -> Scope {
+        let mut inner = Scope::default();
+        for (name, value) in &function.captured {
+            inner.insert(name, value.clone(), function.span);
+        }
+        for (param, value) in function.params.iter().zip(values) {
+            inner.insert(&param.name.text, value.clone(), param.name.span);
+        }
+        inner
     }
 
     /// Calls a user's function; errors in its body point back to the call.
@@ -227,13 +302,6 @@ impl Interpreter<'_> {
             ));
         }
         let values = self.bind_function(scope, call, function)?;
-        let mut inner = Scope::default();
-        for (name, value) in &function.captured {
-            inner.insert(name, value.clone(), function.span);
-        }
-        for (param, value) in function.params.iter().zip(values) {
-            inner.insert(&param.name.text, value, param.name.span);
-        }
         let family = match function.kind {
             Kind::Material => Some(Family::Material),
             Kind::Mesh => Some(Family::Mesh),
@@ -241,9 +309,23 @@ impl Interpreter<'_> {
         };
         let before = self.findings.len();
         self.call_depth += 1;
-        let made = self.eval(&mut inner, &function.body, family);
+        let made = match &function.body {
+            Body::Value(body) => {
+                let mut inner = Self::inner_scope(function, &values);
+                self.eval(&mut inner, body, family).map(|value| (value, body.span))
+            }
+            Body::Group(_) => {
+                let key = format!("{values:?}");
+                let known = function.made.borrow().get(&key).cloned();
+                let group = known.map_or_else(|| self.group_items(function, &values), Ok);
+                if let Ok(group) = &group {
+                    function.made.borrow_mut().insert(key, group.clone());
+                }
+                group.map(|value| (value, function.span))
+            }
+        };
         self.call_depth -= 1;
-        let made = made.and_then(|value| match (function.kind, value) {
+        let made = made.and_then(|(value, span)| match (function.kind, value) {
             (Kind::Material, Value::Material(material)) => {
                 // Equal calls make one material: it is known by the function's name.
                 let name = Some(function.name.clone());
@@ -252,7 +334,7 @@ impl Interpreter<'_> {
             (Kind::Material | Kind::Mesh, value)
                 if !matches!((function.kind, &value), (Kind::Mesh, Value::Mesh(_))) =>
             {
-                self.wrong_kind(function.kind, function.body.span, &value)
+                self.wrong_kind(function.kind, span, &value)
             }
             (_, value) => Ok(value),
         });

@@ -36,6 +36,9 @@ pub const LIST_LIMIT: usize = 1_000_000;
 /// The most calls and iterations of a file.
 pub const STEP_LIMIT: u64 = 10_000_000;
 
+/// The most shapes that instances make.
+pub const INSTANCE_LIMIT: usize = 10_000_000;
+
 /// Settings that replace the scene's own, from the command line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Overrides {

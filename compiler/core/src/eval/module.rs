@@ -10,7 +10,7 @@ use crate::syntax::{self, Expr, ExprKind, Kind, Name, Statement, StatementKind, 
 
 use super::table::Family;
 use super::value::{CameraValue, EmissionValue, MaterialValue, MeshValue, Value};
-use super::{Allow, Interpreter, Reported, TEXT_LIMIT};
+use super::{Allow, INSTANCE_LIMIT, Interpreter, Reported, TEXT_LIMIT};
 
 /// Names and their values; a declared name has a place.
 pub(super) type Names = BTreeMap<String, (Value, Span)>;
@@ -38,6 +38,12 @@ impl Scope {
     /// Where the file declares `name`, if it does so below.
     pub(super) fn later(&self, name: &str) -> Option<Span> {
         self.all.get(name).copied()
+    }
+
+    /// All names that can be seen, with their values.
+    pub(super) fn values(&self) -> BTreeMap<String, Value> {
+        let outer = self.names.iter().map(|(name, (value, _))| (name.clone(), value.clone()));
+        outer.chain(self.inner.iter().map(|(name, value, _)| (name.clone(), value.clone()))).collect()
     }
 
     /// Where `name` is declared.
@@ -72,6 +78,7 @@ pub(super) struct Header {
 }
 
 /// A shape or an emitter.
+#[derive(Clone, Debug)]
 pub(super) struct Item {
     pub name: String,
     pub span: Span,
@@ -87,6 +94,7 @@ pub(super) struct Module {
     pub items: Vec<Item>,
     /// Names of shapes (false) and of emitters (true).
     pub item_names: BTreeMap<(bool, String), Span>,
+    pub instance_names: BTreeMap<String, Span>,
     pub cameras: Vec<(Option<String>, Rc<CameraValue>, Span)>,
     pub film: Option<(Rc<Film>, Span)>,
     pub integrator: Option<(Rc<Integrator>, Span)>,
@@ -98,6 +106,13 @@ pub(super) struct Module {
     pub path: Vec<String>,
     /// How many loops and conditions stand around it.
     pub depth: usize,
+}
+
+impl Module {
+    /// The name of an item in the loops around it: `lamp[3,0,5]`.
+    fn item_name(&self, name: &Name) -> String {
+        if self.path.is_empty() { name.text.clone() } else { format!("{}[{}]", name.text, self.path.join(",")) }
+    }
 }
 
 impl Interpreter<'_> {
@@ -242,9 +257,9 @@ impl Interpreter<'_> {
                 }
                 self.declaration(module, scope, *kind, name.as_ref(), value, with.as_ref(), statement.span);
             }
-            StatementKind::Group { name, .. } => {
-                self.not_yet(statement.span, "groups", "write the shapes at top level");
-                self.poison(scope, Some(name));
+            StatementKind::Group { name, params, body } => {
+                let made = self.group(scope, name, params, body).unwrap_or(Value::Poison);
+                if module.depth > 0 { self.declare_inner(scope, name, made) } else { self.declare(scope, name, made) }
             }
             StatementKind::Parameter { name, ty, default, range } => {
                 self.parameter(scope, name, ty, default, range.as_ref());
@@ -488,7 +503,7 @@ impl Interpreter<'_> {
             && !matches!(kind, Kind::Shape | Kind::Emitter)
         {
             self.findings.push(
-                Finding::error("misplaced-with", with.span, format!("a {} takes no `with`", kind.word()))
+                Finding::error("misplaced-with", with.span, format!("`{}` takes no `with`", kind.word()))
                     .note("`with` gives a shape its material, and an emitter its radiance"),
             );
             return;
@@ -504,10 +519,10 @@ impl Interpreter<'_> {
                 self.poison(scope, name);
             }
             Kind::Group => {
-                self.not_yet(span, "groups", "write the shapes at top level");
+                self.not_yet(span, "groups of files", "write `group name { shape part = file(...) with ... }`");
                 self.poison(scope, name);
             }
-            Kind::Instance => self.not_yet(span, "instances", "write the shapes at top level"),
+            Kind::Instance => self.instance(module, scope, name, value, span),
         }
     }
 
@@ -543,6 +558,56 @@ impl Interpreter<'_> {
             )
             .label(found.kind()),
         )
+    }
+
+    /// `instance name = group |> moves`: the group's shapes and emitters at their place, named `name/shape`.
+    fn instance(&mut self, module: &mut Module, scope: &mut Scope, name: Option<&Name>, value: &Expr, span: Span) {
+        let group = match self.eval(scope, value, None) {
+            Ok(Value::Group(group)) => group,
+            Ok(Value::Function(function)) if function.makes_groups() => {
+                self.findings.push(
+                    Finding::error(
+                        "missing-argument",
+                        value.span,
+                        format!("the group `{}` has parameters", function.name),
+                    )
+                    .help(format!("write `{}(...)` with its arguments", function.name)),
+                );
+                return;
+            }
+            Ok(found) => {
+                let message = format!("`instance` takes a group, not {}", found.kind());
+                let finding = Finding::error("type-mismatch", value.span, message).label(found.kind());
+                let mesh = matches!(found, Value::Mesh(_));
+                self.findings.push(if mesh {
+                    finding.help("write `shape name = ... with ...` for a mesh")
+                } else {
+                    finding
+                });
+                return;
+            }
+            Err(Reported) => return,
+        };
+        let Some(name) = name else { return };
+        let text = module.item_name(name);
+        if let Some(first) = module.instance_names.insert(text.clone(), name.span) {
+            let message = format!("two instances are named `{text}`");
+            self.findings
+                .push(Finding::error("duplicate-name", name.span, message).label("again").also(first, "first here"));
+            return;
+        }
+        if module.items.len() + group.items.len() > INSTANCE_LIMIT {
+            let message = format!("the scene has more than {INSTANCE_LIMIT} shapes");
+            self.findings.push(Finding::error("step-limit", span, message));
+            return;
+        }
+        for item in group.items.iter() {
+            let mut item = item.clone();
+            item.name = format!("{text}/{}", item.name);
+            item.mesh.transform = item.mesh.transform.then(&group.transform);
+            // Findings about a shape point at the shape; the instance is where the place comes from.
+            module.items.push(item);
+        }
     }
 
     #[expect(clippy::too_many_arguments, reason = "the parts of one statement")]
@@ -596,11 +661,7 @@ impl Interpreter<'_> {
             }
         });
         let (Ok(mesh), Ok((material, emission)), Some(name)) = (mesh, surface, name) else { return };
-        let text = if module.path.is_empty() {
-            name.text.clone()
-        } else {
-            format!("{}[{}]", name.text, module.path.join(","))
-        };
+        let text = module.item_name(name);
         if let Some(first) = module.item_names.insert((emission.is_some(), text.clone()), name.span) {
             self.findings.push(
                 Finding::error("duplicate-name", name.span, format!("two {}s are named `{text}`", kind.word()))

@@ -24,6 +24,7 @@ pub(super) enum Value {
     Material(Rc<MaterialValue>),
     Emission(Rc<EmissionValue>),
     Mesh(MeshValue),
+    Group(GroupValue),
     Camera(Rc<CameraValue>),
     Film(Rc<Film>),
     Filter(Rc<Filter>),
@@ -59,6 +60,13 @@ pub(super) struct MeshValue {
     pub span: Span,
 }
 
+/// The shapes and emitters of a group and where the whole has been moved.
+#[derive(Clone, Debug)]
+pub(super) struct GroupValue {
+    pub items: Rc<[super::module::Item]>,
+    pub transform: Affine,
+}
+
 /// A camera before the film is known.
 #[derive(Clone, Debug)]
 pub(super) struct CameraValue {
@@ -92,6 +100,7 @@ impl Value {
             Self::Material(_) => "a material",
             Self::Emission(_) => "an emission",
             Self::Mesh(_) => "a mesh",
+            Self::Group(_) => "a group",
             Self::Camera(_) => "a camera",
             Self::Film(_) => "a film",
             Self::Filter(_) => "a filter",
@@ -146,6 +155,8 @@ pub enum Ty {
     NumberOrVector,
     /// A mesh.
     Mesh,
+    /// A mesh or a group.
+    Placeable,
     /// A material.
     Material,
     /// A reconstruction filter.
@@ -176,6 +187,7 @@ impl Ty {
             Self::NumberOrAngle => "a number or an angle",
             Self::NumberOrVector => "a number or a vector",
             Self::Mesh => "a mesh",
+            Self::Placeable => "a mesh or a group",
             Self::Material => "a material",
             Self::Filter => "a filter",
         }
@@ -222,7 +234,8 @@ impl Ty {
                 }
             }
             (Self::List, Value::List(items)) => Ok(Value::List(items)),
-            (Self::Mesh, Value::Mesh(mesh)) => Ok(Value::Mesh(mesh)),
+            (Self::Mesh | Self::Placeable, Value::Mesh(mesh)) => Ok(Value::Mesh(mesh)),
+            (Self::Placeable, Value::Group(group)) => Ok(Value::Group(group)),
             (Self::Material, Value::Material(material)) => Ok(Value::Material(material)),
             (Self::Filter, Value::Filter(filter)) => Ok(Value::Filter(filter)),
             (_, Value::Poison) => Err(Refusal::Silent),

@@ -1,16 +1,19 @@
-//! Stages: what stands behind `|>`. Moves only change the transform; the others make new vertices.
+//! Stages: what stands behind `|>`. Moves only change the transform, of meshes and groups; the others make new vertices.
 
 use std::rc::Rc;
 
 use crate::ir::{Affine, cross, normalized};
 use crate::mesh::{self, Geometry};
 
-use super::super::value::{MeshValue, Ty, Value};
+use super::super::value::{GroupValue, MeshValue, Ty, Value};
 use super::meshes::problem;
 use super::{Args, Constructor, Family, Parameter, Problem, Site};
 
 /// What stands before `|>`.
 const OF: Parameter = Parameter { name: "of", ty: Ty::Mesh, default: None, doc: "the mesh before `|>`" };
+
+/// What stands before the `|>` of a move.
+const ANY: Parameter = Parameter { name: "of", ty: Ty::Placeable, default: None, doc: "the mesh or group before `|>`" };
 
 pub(super) const ROWS: &[Constructor] = &[
     Constructor {
@@ -18,7 +21,7 @@ pub(super) const ROWS: &[Constructor] = &[
         name: "translate",
         summary: "Moves.",
         params: &[
-            OF,
+            ANY,
             Parameter { name: "x", ty: Ty::Number, default: Some("0"), doc: "along X" },
             Parameter { name: "y", ty: Ty::Number, default: Some("0"), doc: "along Y" },
             Parameter { name: "z", ty: Ty::Number, default: Some("0"), doc: "along Z" },
@@ -37,7 +40,7 @@ pub(super) const ROWS: &[Constructor] = &[
         name: "rotate",
         summary: "Turns counter-clockwise, seen against the axis. Give exactly one of `x`, `y`, `z`, or `axis` and `angle`.",
         params: &[
-            OF,
+            ANY,
             Parameter { name: "x", ty: Ty::Angle, default: Some(""), doc: "about X" },
             Parameter { name: "y", ty: Ty::Angle, default: Some(""), doc: "about Y" },
             Parameter { name: "z", ty: Ty::Angle, default: Some(""), doc: "about Z" },
@@ -54,7 +57,7 @@ pub(super) const ROWS: &[Constructor] = &[
         name: "scale",
         summary: "Scales about the origin. A mirroring scale also turns the winding, so that the front stays the front.",
         params: &[
-            OF,
+            ANY,
             Parameter { name: "factor", ty: Ty::Number, default: Some("1"), doc: "along all axes, not 0" },
             Parameter { name: "x", ty: Ty::Number, default: Some("1"), doc: "along X, not 0" },
             Parameter { name: "y", ty: Ty::Number, default: Some("1"), doc: "along Y, not 0" },
@@ -79,7 +82,7 @@ pub(super) const ROWS: &[Constructor] = &[
         name: "frame",
         summary: "Turns the local axes to the given ones and moves the local origin to `origin`.",
         params: &[
-            OF,
+            ANY,
             Parameter { name: "x", ty: Ty::Vec3, default: None, doc: "where X points; made perpendicular to `z`" },
             Parameter {
                 name: "z",
@@ -98,7 +101,7 @@ pub(super) const ROWS: &[Constructor] = &[
         name: "matrix",
         summary: "An affine map, written as three rows of four numbers: `x' = a x + b y + c z + d`.",
         params: &[
-            OF,
+            ANY,
             Parameter { name: "row_x", ty: Ty::Row, default: None, doc: "the row that gives x" },
             Parameter { name: "row_y", ty: Ty::Row, default: None, doc: "the row that gives y" },
             Parameter { name: "row_z", ty: Ty::Row, default: None, doc: "the row that gives z" },
@@ -153,14 +156,24 @@ fn of(args: &Args) -> Result<&MeshValue, Problem> {
     }
 }
 
-/// The mesh behind one more move; its vertices stay shared.
+/// The mesh or group behind one more move; vertices stay shared.
 fn moved(args: &Args, map: &Affine) -> Result<Value, Problem> {
-    let mesh = of(args)?;
-    let transform = mesh.transform.then(map);
-    if !transform.rows.iter().flatten().all(|entry| entry.is_finite()) {
-        return Err(Problem::new(None, "the mesh leaves the range of numbers"));
+    let further = |before: &Affine| {
+        let transform = before.then(map);
+        if transform.rows.iter().flatten().all(|entry| entry.is_finite()) {
+            return Ok(transform);
+        }
+        Err(Problem::new(None, "it leaves the range of numbers"))
+    };
+    match args.get("of") {
+        Some(Value::Group(GroupValue { items, transform })) => {
+            Ok(Value::Group(GroupValue { items: Rc::clone(items), transform: further(transform)? }))
+        }
+        _ => {
+            let MeshValue { mesh, transform, span } = of(args)?;
+            Ok(Value::Mesh(MeshValue { mesh: Rc::clone(mesh), transform: further(transform)?, span: *span }))
+        }
     }
-    Ok(Value::Mesh(MeshValue { mesh: Rc::clone(&mesh.mesh), transform, span: mesh.span }))
 }
 
 /// The mesh with other vertices. `angles` says that the change depends on angles: then a map that bends them is applied
