@@ -127,6 +127,8 @@ pub enum Ty {
     String,
     /// A color; a number is a grey.
     Color,
+    /// Two numbers.
+    Vec2,
     /// Three numbers.
     Vec3,
     /// A number (the same along each axis) or three numbers.
@@ -135,6 +137,8 @@ pub enum Ty {
     Extent,
     /// A range.
     Range,
+    /// Two ranges of cells of a raster; both ends may be the same.
+    Cells,
     /// `X`, `-X`, `Y`, `-Y`, `Z` or `-Z`.
     Axis,
     /// A row of a matrix: four numbers.
@@ -173,10 +177,12 @@ impl Ty {
             Self::Bool => "true or false",
             Self::String => "a string",
             Self::Color => "a color",
+            Self::Vec2 => "a vector of 2",
             Self::Vec3 => "a vector of 3",
             Self::NumberOrVec3 => "a number or a vector of 3",
             Self::Extent => "a range or a number",
             Self::Range => "a range",
+            Self::Cells => "a pair of ranges",
             Self::Axis => "an axis",
             Self::Row => "a row of 4 numbers",
             Self::Points => "a list of vectors of 3",
@@ -213,6 +219,7 @@ impl Ty {
             (Self::Color, Value::Color(color)) => Ok(Value::Color(color)),
             (Self::Color, Value::Vector(parts)) if parts.len() == 3 => Err(Refusal::ColorFromVector),
             (Self::Vec3 | Self::NumberOrVec3, Value::Vector(parts)) if parts.len() == 3 => Ok(Value::Vector(parts)),
+            (Self::Vec2, Value::Vector(parts)) if parts.len() == 2 => Ok(Value::Vector(parts)),
             (Self::Row, Value::Vector(parts)) if parts.len() == 4 => Ok(Value::Vector(parts)),
             (Self::NumberOrVector, Value::Vector(parts)) => Ok(Value::Vector(parts)),
             (Self::Axis, Value::Vector(parts)) if axis(&parts).is_some() => Ok(Value::Vector(parts)),
@@ -223,6 +230,10 @@ impl Ty {
                     Err(Refusal::Reversed(lo, hi))
                 }
             }
+            (Self::Cells, Value::Tuple(parts)) => match &parts[..] {
+                [Value::Range(..), Value::Range(..)] => Ok(Value::Tuple(parts)),
+                _ => Err(plain()),
+            },
             (Self::Points, Value::List(items)) => vectors(items, 3),
             (Self::Points2, Value::List(items)) => vectors(items, 2),
             (Self::Faces, Value::List(items)) => vectors(items, 3),

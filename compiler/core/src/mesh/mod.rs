@@ -4,30 +4,43 @@
 //! the Scene; angles are degrees. A function that gives a [`Geometry`] gives a consistent one: see [`Geometry::check`].
 
 mod boxed;
+mod cone;
+mod cylinder;
+mod disk;
 mod error;
 mod faceted;
 pub mod file;
 mod flip;
 mod geometry;
+mod lathe;
 mod measure;
+mod plate;
 mod rectangle;
+mod revolve;
 mod smooth;
 mod sphere;
 mod split;
+mod torus;
 mod transform;
 mod triangles;
 
 pub use boxed::boxed;
+pub use cone::cone;
+pub use cylinder::cylinder;
+pub use disk::disk;
 pub use error::MeshError;
 pub use faceted::faceted;
 pub use flip::flip;
 pub use geometry::Geometry;
+pub use lathe::lathe;
 pub use measure::{
     View, area, bounds, degenerate_triangles, face_normal, is_closed, largest_normal_deviation, signed_volume,
 };
+pub use plate::{Hole, plate};
 pub use rectangle::{Axis, Extent, SignedAxis, rectangle};
 pub use smooth::smooth;
 pub use sphere::sphere;
+pub use torus::torus;
 pub use transform::{transform, transform_normals, transform_positions};
 pub use triangles::triangles;
 

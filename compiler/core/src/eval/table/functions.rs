@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use crate::ir::{cross, dot, normalized};
 
+use super::super::LIST_LIMIT;
 use super::super::value::{Ty, Value};
 use super::{Args, Constructor, Family, Parameter, Problem};
 
@@ -109,8 +110,15 @@ pub(super) const ROWS: &[Constructor] = &[
         "Two lists, one behind the other.",
         "let a = concat([1, 2], [3])",
         |args, _| {
-            let part = |name| args.list(name).unwrap_or_default().iter().cloned();
-            Ok(Value::List(part("a").chain(part("b")).collect()))
+            let part = |name| args.list(name).unwrap_or_default();
+            let (a, b) = (part("a"), part("b"));
+            if a.len() + b.len() > LIST_LIMIT {
+                let message = format!("the list would have {} elements", a.len() + b.len());
+                return Err(Problem::new(None, message)
+                    .id("list-limit")
+                    .note(format!("at most {LIST_LIMIT} are allowed")));
+            }
+            Ok(Value::List(a.iter().chain(b).cloned().collect()))
         },
     ),
     row("dot", VECTORS, "The scalar product.", "let a = dot(X, (1, 2, 3))", |args, _| {

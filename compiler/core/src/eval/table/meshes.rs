@@ -116,7 +116,7 @@ fn extent(args: &Args, name: &str) -> Extent {
     }
 }
 
-fn finish(made: Result<Geometry, MeshError>, site: &Site<'_>) -> Result<Value, Problem> {
+pub(super) fn finish(made: Result<Geometry, MeshError>, site: &Site<'_>) -> Result<Value, Problem> {
     Ok(value(made.map_err(problem)?, site))
 }
 
@@ -181,7 +181,7 @@ fn triangles(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
 }
 
 /// The vectors of a list; their type has been checked.
-fn points<const N: usize>(args: &Args, name: &str) -> Option<Vec<[f64; N]>> {
+pub(super) fn points<const N: usize>(args: &Args, name: &str) -> Option<Vec<[f64; N]>> {
     let items = args.list(name)?.iter();
     let one = |item: &Value| match item {
         Value::Vector(parts) => <[f64; N]>::try_from(&parts[..]).ok(),

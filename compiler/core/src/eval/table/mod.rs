@@ -2,6 +2,7 @@
 //! checking, suggestions, `ltsc explain` and the reference manual.
 
 mod functions;
+mod generators;
 mod materials;
 mod meshes;
 mod settings;
@@ -226,8 +227,8 @@ pub(super) struct Site<'s> {
 
 /// All rows, family by family.
 pub fn table() -> impl Iterator<Item = &'static Constructor> {
-    let parts: [&'static [Constructor]; 5] =
-        [materials::ROWS, meshes::ROWS, stages::ROWS, settings::ROWS, functions::ROWS];
+    let parts: [&'static [Constructor]; 6] =
+        [materials::ROWS, meshes::ROWS, generators::ROWS, stages::ROWS, settings::ROWS, functions::ROWS];
     parts.into_iter().flatten()
 }
 
