@@ -312,8 +312,121 @@ fn suppressions_and_levels_decide() {
     assert_eq!(lint(&path, &["--no-allow"]).code, Some(1));
 }
 
+/// Writes a small image of one colour in each half.
+fn image(path: &Path, left: [f32; 3], right: [f32; 3]) {
+    let pixels = (0..64).map(|at| if at % 8 < 4 { left } else { right }).collect();
+    let image = ltsc_render::image::Image { width: 8, height: 8, pixels };
+    ltsc_render::image::write_exr(path, &image, &ltsc_render::image::Provenance::default()).expect("an image");
+}
+
+#[test]
+fn a_tolerance_sees_light_where_the_reference_is_black() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    image(&at("black.exr"), [0.0; 3], [0.0; 3]);
+    image(&at("half.exr"), [0.0; 3], [1.0; 3]);
+    image(&at("blue.exr"), [0.0, 0.0, 5.0], [1.0; 3]);
+    image(&at("near.exr"), [0.0; 3], [1.01; 3]);
+    let code = |a: &str, b: &str, tolerance: &str| {
+        run(ltsc().arg("diff").arg(at(a)).arg(at(b)).args(["--tolerance", tolerance])).code
+    };
+    assert_eq!(code("black.exr", "black.exr", "0.01"), Some(0));
+    assert_eq!(code("black.exr", "half.exr", "0.01"), Some(1));
+    assert_eq!(code("half.exr", "blue.exr", "0.01"), Some(1));
+    assert_eq!(code("half.exr", "near.exr", "0.02"), Some(0));
+    assert_eq!(code("half.exr", "near.exr", "0.005"), Some(1));
+
+    let out = at("out");
+    let diff = |more: &[&str]| {
+        run(ltsc().arg("diff").arg(at("half.exr")).arg(at("near.exr")).arg("-o").arg(&out).args(more)).code
+    };
+    assert_eq!((diff(&[]), diff(&[])), (Some(0), Some(0)));
+    assert!(out.join("difference.png").is_file() && out.join("diff.json").is_file());
+    fs::remove_file(out.join("manifest.json")).expect("a removal");
+    assert_eq!((diff(&[]), diff(&["--force"])), (Some(2), Some(0)), "a folder of someone else");
+}
+
+#[cfg(unix)]
+#[test]
+fn nothing_is_written_through_links_or_names() {
+    let (folder, path) = scene("one", "shape a = box(size: 1) with diffuse(0.5)");
+    let (out, victim) = (folder.path().join("out"), folder.path().join("victim"));
+    fs::create_dir(&victim).expect("a folder");
+    let emit = || run(ltsc().arg("emit").arg(&path).args(["--target", "pbrt", "-o"]).arg(&out));
+    assert_eq!(emit().code, Some(0));
+    fs::remove_dir_all(out.join("meshes")).expect("a removal");
+    std::os::unix::fs::symlink(&victim, out.join("meshes")).expect("a link");
+    assert_eq!(emit().code, Some(2));
+    assert!(files_below(&victim).is_empty());
+
+    let sly = path.with_file_name("...lts");
+    fs::write(&sly, MINIMAL.replace("NAME", "`..`")).expect("a scene");
+    let ran = run(ltsc().arg("build").arg(&sly).arg("-o").arg(folder.path().join("gen")));
+    assert!(ran.code == Some(3) && ran.err.contains("scene-name"), "{:?} {}", ran.code, ran.err);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_answer_that_cannot_be_written_is_no_yes() {
+    let full = || fs::OpenOptions::new().write(true).open("/dev/full").expect("/dev/full");
+    let lint = |scene: &str| {
+        ltsc().args(["lint", scene, "--format", "json"]).stdout(full()).output().expect("a run").status.code()
+    };
+    assert_eq!(lint("scenes-src/cbox_classic.lts"), Some(4));
+    assert_eq!(lint("tests/cases/names/unknown.lts"), Some(3));
+}
+
+#[test]
+fn terminals_are_not_obeyed() {
+    let (_folder, path) = scene("one", "let a = nope // \u{1b}]0;title\u{7}");
+    for format in ["human", "short"] {
+        let ran = run(ltsc().arg("lint").arg(&path).args(["--format", format]));
+        assert!(ran.code == Some(3) && !ran.out.contains(['\u{1b}', '\u{7}']), "{:?}", ran.out);
+    }
+}
+
+#[test]
+fn numbers_beyond_single_precision_are_refused() {
+    for more in [
+        "emitter a = box(size: 1) with radiance(1e300)",
+        "shape a = box(size: 1) with dielectric(ior: 1e308)",
+        "shape a = sphere() |> scale(1e-60) with diffuse(0.5)",
+        "shape a = sphere() |> scale(1e60) with diffuse(0.5)",
+        "camera above = perspective(eye: (0, -1e200, 4), target: (0, 0, 0), fov_x: 3e1deg)",
+    ] {
+        let (folder, path) = scene("one", more);
+        let out = folder.path().join("out");
+        let ran = run(ltsc().arg("emit").arg(&path).args(["--target", "pbrt", "-o"]).arg(&out));
+        assert!(ran.code == Some(3) && !out.exists(), "{more}: {:?} {}", ran.code, ran.err);
+    }
+}
+
+#[test]
+fn thousands_of_errors_take_no_minutes() {
+    let many: String = (0..5000).map(|i| format!("let n{i} = nope{i}\n")).collect();
+    let (_folder, path) = scene("one", &many);
+    let start = std::time::Instant::now();
+    let ran = run(ltsc().arg("lint").arg(&path).args(["--format", "short"]));
+    assert_eq!((ran.code, ran.out.lines().count()), (Some(3), 5000));
+    // It takes a second or two without optimisation; the quadratic way took minutes.
+    assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
+}
+
 #[test]
 fn json_is_one_document() {
+    let one = |args: &[&str]| {
+        let ran = run(ltsc().args(args).args(["--format", "json"]));
+        serde_json::from_str::<serde_json::Value>(&ran.out)
+            .unwrap_or_else(|error| panic!("{args:?}: {error}\n{}", ran.out))
+    };
+    let bad = "tests/cases/names/unknown.lts";
+    assert!(one(&["build", bad])["findings"].is_array());
+    assert!(one(&["build", "scenes-src", "--check"])["scenes"].is_array());
+    assert!(one(&["emit", bad, "--target", "pbrt"])["findings"].is_array());
+    assert!(one(&["render", bad, "--renderer", "luxcore", "-o", "never.exr"])["findings"].is_array());
+    assert!(one(&["lint", "nowhere.lts"])["error"]["message"].is_string());
+    assert!(one(&["diff", "nowhere.exr", "nowhere.exr"])["error"]["message"].is_string());
+
     let (_folder, path) = scene("one", "emitter bulb = sphere() |> translate(z: 3) with radiance(1)");
     let ran = run(ltsc().arg("lint").arg(&path).args(["--format", "json"]));
     let document: serde_json::Value = serde_json::from_str(&ran.out).expect("JSON");

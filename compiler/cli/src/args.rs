@@ -223,6 +223,9 @@ pub struct Diff {
     /// Write the signed difference (green: B brighter, red: B dimmer) as difference.png, and diff.json, into this folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
+    /// Write into a folder that is not empty and was not written by ltsc.
+    #[arg(long)]
+    pub force: bool,
     /// Tiles along each side.
     #[arg(long, value_name = "N", default_value_t = 8, value_parser = clap::value_parser!(u32).range(1..=256))]
     pub tiles: u32,

@@ -9,6 +9,8 @@ use ltsc_core::files::{Bytes, Files, ReadError, Sink, VPath};
 use memmap2::Mmap;
 use serde::{Deserialize, Serialize};
 
+use crate::output::{Exit, Failure};
+
 /// Files of this size and more are mapped, smaller ones read: a map costs more than a short copy.
 const MAP_FROM: u64 = 1 << 16;
 
@@ -140,6 +142,9 @@ impl DiskSink {
     /// Writes below `folder`; with `check` nothing is written. A folder with files of someone else's is refused unless
     /// `force`.
     pub fn new(folder: &Path, scene: &str, check: bool, force: bool) -> io::Result<Self> {
+        if fs::metadata(folder).is_ok_and(|meta| !meta.is_dir()) {
+            return Err(io::Error::new(io::ErrorKind::NotADirectory, "it is a file, not a folder"));
+        }
         let occupied = fs::read_dir(folder).is_ok_and(|mut entries| entries.next().is_some());
         if occupied && !check && !force && Manifest::read(folder).is_none() {
             let message = "the folder is not empty, and ltsc did not write it";
@@ -168,6 +173,7 @@ impl DiskSink {
             // A manifest is a file like any other: it must not lead out of the folder.
             let Ok(inside) = VPath::resolve("", path) else { continue };
             let full = self.folder.join(inside.as_str());
+            refuse_links(&self.folder, &full)?;
             if fs::symlink_metadata(&full).is_ok_and(|meta| meta.is_file()) {
                 self.changes.removed.push(path.clone());
                 if !self.check {
@@ -191,6 +197,7 @@ impl DiskSink {
 impl Sink for DiskSink {
     fn file(&mut self, path: &str, write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
         let full = self.folder.join(path);
+        refuse_links(&self.folder, &full)?;
         let mut out = BufWriter::with_capacity(1 << 18, Compare::new(&full));
         write(&mut out)?;
         let (same, hash) = out.into_inner().map_err(io::IntoInnerError::into_error)?.finish();
@@ -201,6 +208,31 @@ impl Sink for DiskSink {
         }
         self.changes.written.push(path.to_owned());
         if self.check { Ok(()) } else { write_atomically(&full, write) }
+    }
+}
+
+/// Links to folders inside an output folder would lead out of it.
+fn refuse_links(top: &Path, file: &Path) -> io::Result<()> {
+    let inner = file.ancestors().skip(1).take_while(|folder| *folder != top && folder.starts_with(top));
+    for folder in inner {
+        if fs::symlink_metadata(folder).is_ok_and(|meta| meta.file_type().is_symlink()) {
+            let message = format!("{} is a link, and ltsc writes inside its folder only", folder.display());
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
+        }
+    }
+    Ok(())
+}
+
+/// Why an output folder cannot be written, and the exit code that it leads to.
+pub fn unwritable(folder: &Path, error: &io::Error) -> Failure {
+    let failure = Failure::new(Exit::Environment, format!("{}: {error}", folder.display()));
+    match error.kind() {
+        io::ErrorKind::AlreadyExists => Failure { exit: Exit::Usage, ..failure }
+            .help("choose another folder with `-o`, or add `--force` to write into it"),
+        io::ErrorKind::NotADirectory | io::ErrorKind::InvalidInput => {
+            Failure { exit: Exit::Usage, ..failure }.help("choose another folder with `-o`")
+        }
+        _ => failure,
     }
 }
 

@@ -68,6 +68,11 @@ impl Failure {
         self
     }
 
+    /// One document for programs.
+    pub fn json(&self) -> String {
+        format!("{:#}\n", json!({ "error": { "message": self.message, "help": self.help } }))
+    }
+
     /// Says what went wrong and gives the exit code.
     pub fn show(&self) -> Exit {
         terminal::error(&self.message);
@@ -111,7 +116,8 @@ impl Located<'_> {
             (path, line) => format!("{path}:{line}:{column}: "),
         };
         let Finding { id, severity, message, .. } = &self.finding;
-        format!("{place}{}[{id}]: {message}", severity_word(*severity))
+        let line = format!("{place}{}[{id}]: {message}", severity_word(*severity));
+        terminal::harmless(&line).replace('\n', " ")
     }
 
     fn span_json(&self, span: Span) -> Value {

@@ -98,10 +98,19 @@ impl Project {
         };
         let targets = match targets {
             None => TARGETS.iter().collect(),
-            Some(names) => names
-                .iter()
-                .map(|name| target(name).map_err(|problem| bad(problem.message)))
-                .collect::<Result<_, _>>()?,
+            Some(names) => {
+                let mut known: Vec<&'static Target> = Vec::new();
+                for name in &names {
+                    let target = target(name).map_err(|problem| bad(problem.message))?;
+                    if !known.iter().any(|other| other.name == target.name) {
+                        known.push(target);
+                    }
+                }
+                if known.is_empty() {
+                    return Err(bad("`targets` is empty".to_owned()).help("leave it out for all targets"));
+                }
+                known
+            }
         };
         let mut levels = Levels::new();
         for (id, word) in rules {

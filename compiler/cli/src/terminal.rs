@@ -1,9 +1,10 @@
 //! The terminal: colours, excerpts through miette, progress bars.
 
+use std::borrow::Cow;
 use std::fmt::Write as _;
 use std::io::{IsTerminal, Write as _};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -38,12 +39,39 @@ pub fn colored(to_stdout: bool) -> bool {
     }
 }
 
-/// Writes to standard output; ends the process if nobody reads it any more, as in `ltsc explain | head`.
+/// Set when standard output could not be written for another reason than that nobody reads it.
+static BROKEN: AtomicBool = AtomicBool::new(false);
+
+/// Writes to standard output. A reader that goes away, as in `ltsc explain | head`, is no error; the exit code stays that
+/// of the command. Anything else is said once and makes the command fail, see [`output_failed`].
 pub fn print(text: &str) {
     let mut out = std::io::stdout().lock();
-    if out.write_all(text.as_bytes()).and_then(|()| out.flush()).is_err() {
-        std::process::exit(0);
+    if let Err(problem) = out.write_all(text.as_bytes()).and_then(|()| out.flush())
+        && problem.kind() != std::io::ErrorKind::BrokenPipe
+        && !BROKEN.swap(true, Ordering::Relaxed)
+    {
+        error(&format!("standard output cannot be written: {problem}"));
     }
+}
+
+/// Whether something that was printed did not arrive.
+pub fn output_failed() -> bool {
+    BROKEN.load(Ordering::Relaxed)
+}
+
+/// `text` without characters that a terminal would obey; line ends and tabs stay. Bytes keep their places.
+pub fn harmless(text: &str) -> Cow<'_, str> {
+    let obeyed = |c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t');
+    if !text.contains(obeyed) {
+        return Cow::Borrowed(text);
+    }
+    // One byte for the C0 controls and DEL, two for the C1 controls.
+    let replaced = text.chars().map(|c| match c {
+        c if !obeyed(c) => c,
+        c if c.len_utf8() == 1 => '?',
+        _ => '¿',
+    });
+    Cow::Owned(replaced.collect())
 }
 
 fn styled(code: &str, text: &str, to_stdout: bool) -> String {
@@ -57,12 +85,12 @@ pub fn strong(text: &str, to_stdout: bool) -> String {
 
 /// Says to standard error what went wrong.
 pub fn error(message: &str) {
-    say(&format!("{} {message}", styled("1;31", "error:", false)));
+    say(&format!("{} {}", styled("1;31", "error:", false), harmless(message)));
 }
 
 /// Says to standard error what can be done.
 pub fn help(message: &str) {
-    say(&format!("{} {message}", styled("1;36", " help:", false)));
+    say(&format!("{} {}", styled("1;36", " help:", false), harmless(message)));
 }
 
 /// Says something to standard error.
@@ -91,13 +119,13 @@ pub fn graphical(finding: &Finding, sources: &Sources, to_stdout: bool) -> Strin
         let _written = writeln!(text, "{}: {}", severity_word(finding.severity), finding.message);
     }
     for remark in &shown.remarks {
-        let _written = writeln!(text, "  {remark}");
+        let _written = writeln!(text, "  {}", harmless(remark));
     }
     for note in &finding.notes {
-        let _written = writeln!(text, "  {} {note}", styled("1;34", "note:", to_stdout));
+        let _written = writeln!(text, "  {} {}", styled("1;34", "note:", to_stdout), harmless(note));
     }
     if let Some(help) = &finding.help {
-        let _written = writeln!(text, "  {} {help}", styled("1;36", "help:", to_stdout));
+        let _written = writeln!(text, "  {} {}", styled("1;36", "help:", to_stdout), harmless(help));
     }
     text.push('\n');
     text
@@ -137,7 +165,7 @@ impl Shown {
         let mut shown = Self {
             id,
             severity: *severity,
-            message: message.clone(),
+            message: harmless(message).into_owned(),
             source: None,
             labels: Vec::new(),
             remarks: Vec::new(),
@@ -150,10 +178,14 @@ impl Shown {
             }
             Origin::Text(span) => {
                 let file = sources.get(span.file);
-                let text = (!label.is_empty()).then(|| label.clone());
+                let shown_text = match harmless(&file.text) {
+                    Cow::Borrowed(_) => Arc::clone(&file.text),
+                    Cow::Owned(text) => Arc::from(text),
+                };
+                let text = (!label.is_empty()).then(|| harmless(label).into_owned());
                 let range = (span.start as usize, (span.end - span.start) as usize);
                 shown.labels.push(LabeledSpan::new_primary_with_span(text, range));
-                shown.source = Some(NamedSource::new(&file.path, Arc::clone(&file.text)));
+                shown.source = Some(NamedSource::new(harmless(&file.path), shown_text));
             }
             Origin::File { path, place } => {
                 let place = if place.is_empty() { path.clone() } else { format!("{path}, {place}") };
@@ -165,7 +197,7 @@ impl Shown {
         for other in labels {
             if shown.source.is_some() && origin.span().is_some_and(|span| span.file == other.span.file) {
                 let range = (other.span.start as usize, (other.span.end - other.span.start) as usize);
-                shown.labels.push(LabeledSpan::new_with_span(Some(other.text.clone()), range));
+                shown.labels.push(LabeledSpan::new_with_span(Some(harmless(&other.text).into_owned()), range));
             } else {
                 let at = sources.position(other.span.file, other.span.start);
                 let path = &sources.get(other.span.file).path;

@@ -14,7 +14,7 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use crate::args::{Build, Format};
-use crate::disk::{Changes, DiskSink, MANIFEST, Manifest};
+use crate::disk::{Changes, DiskSink, MANIFEST, Manifest, unwritable};
 use crate::output::{self, Exit, Failure, Located};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
@@ -40,13 +40,17 @@ pub fn run(command: &Build) -> Result<Exit, Failure> {
         command.target.iter().map(|name| project::target(name)).collect::<Result<_, _>>()?;
     let whole = command.paths.is_empty();
     let mut exit = Exit::Done;
+    let mut said = false;
     let mut all = Vec::new();
     for (project, files) in files_of(&command.paths)? {
         let (one, built) = build(command, &project, &files, &only, whole)?;
         exit = exit.max(one);
-        all.extend(built);
+        match built {
+            Some(built) => all.extend(built),
+            None => said = true,
+        }
     }
-    if command.findings.format == Format::Json {
+    if command.findings.format == Format::Json && !said {
         let list: Vec<serde_json::Value> = all.iter().map(json_of).collect();
         terminal::print(&format!("{:#}\n", json!({ "scenes": list })));
     }
@@ -64,7 +68,7 @@ fn build(
     files: &[PathBuf],
     only: &[&'static Target],
     whole: bool,
-) -> Result<(Exit, Vec<Built>), Failure> {
+) -> Result<(Exit, Option<Vec<Built>>), Failure> {
     let targets: &[&'static Target] = if only.is_empty() { &project.targets } else { only };
     let output = command.output.as_deref().unwrap_or(&project.generated);
     let checked = check(project, files, &command.findings, Overrides::default())?;
@@ -74,11 +78,14 @@ fn build(
         more.extend(ready.remarks.iter().map(|finding| Located { finding: finding.clone(), sources: ready.sources }));
     }
     let json = command.findings.format == Format::Json;
-    let shown = if json { Format::Short } else { command.findings.format };
+    let failing = checked.iter().any(|file| file.checked.worst() >= Severity::Deny)
+        || more.iter().any(|located| located.finding.severity >= Severity::Deny);
+    // Programs get one document: the findings where they forbid to write, else what was written.
+    let shown = if json && !failing { Format::Short } else { command.findings.format };
     let (exit, _) = report(&checked, more, shown, false);
     if exit != Exit::Done {
         terminal::error("nothing was written");
-        return Ok((exit, Vec::new()));
+        return Ok((exit, None));
     }
     if let Some((name, first, second)) = twins(&ready) {
         return Err(Failure::new(Exit::Input, format!("two scenes are named `{name}`: {first} and {second}"))
@@ -113,7 +120,7 @@ fn build(
     if !json {
         summary(&built, output, command.check);
     }
-    Ok((if command.check && stale { Exit::No } else { Exit::Done }, built))
+    Ok((if command.check && stale { Exit::No } else { Exit::Done }, Some(built)))
 }
 
 /// Lowers and validates what can be written; the rest comes back as findings.
@@ -149,15 +156,7 @@ fn twins(ready: &[Ready<'_>]) -> Option<(String, String, String)> {
 fn write(ready: &Ready<'_>, targets: &[&Target], output: &Path, command: &Build) -> Result<Built, Failure> {
     let scene = &ready.scene;
     let folder = output.join(&scene.name);
-    let failed = |error: io::Error| {
-        let failure = Failure::new(Exit::Environment, format!("{}: {error}", folder.display()));
-        if error.kind() == io::ErrorKind::AlreadyExists {
-            Failure { exit: Exit::Usage, ..failure }
-                .help("choose another folder with `-o`, or add `--force` to write into it")
-        } else {
-            failure
-        }
-    };
+    let failed = |error: io::Error| unwritable(&folder, &error);
     let camera = pipeline::camera(scene, None)
         .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
     let mut sink = DiskSink::new(&folder, &scene.name, command.check, command.force).map_err(failed)?;

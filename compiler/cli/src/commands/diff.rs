@@ -2,12 +2,13 @@
 
 use std::path::Path;
 
+use ltsc_core::files::Sink;
 use ltsc_render::compare::{CompareOptions, Comparison, compare, to_text, write_difference_png};
 use ltsc_render::image::{Image, ImageError, read, reduce};
 use serde_json::json;
 
 use crate::args::{Diff, Format};
-use crate::disk::write_atomically;
+use crate::disk::{DiskSink, unwritable};
 use crate::output::{Exit, Failure};
 use crate::terminal;
 
@@ -24,7 +25,7 @@ pub fn run(command: &Diff) -> Result<Exit, Failure> {
     };
     let comparison =
         compare(&a, &b, &options).map_err(|error| Failure::new(Exit::Input, error.to_string()).help(error.hint()))?;
-    let beyond = command.tolerance.map(|tolerance| exceeds(&comparison, tolerance));
+    let beyond = command.tolerance.map(|tolerance| exceeds(&comparison, tolerance, &a, &b));
     let mut document =
         serde_json::to_value(&comparison).map_err(|error| Failure::new(Exit::Fault, error.to_string()))?;
     if let (Some(object), Some(beyond), Some(tolerance)) = (document.as_object_mut(), beyond, command.tolerance) {
@@ -68,14 +69,37 @@ fn same_size(a: Image, b: Image) -> Result<(Image, Image), Failure> {
     }
 }
 
-/// Whether a channel's mean or a tile differs by more than `tolerance`, as a share of A.
-fn exceeds(comparison: &Comparison, tolerance: f64) -> bool {
-    let off = |ratio: f64| (ratio - 1.0).abs() > tolerance;
-    let means = comparison.metric("ratio").is_some_and(|value| value.channels.iter().flatten().copied().any(off));
-    let tiles = comparison.tiles.rows.iter().flatten().any(|tile| tile.channels.iter().flatten().copied().any(off));
-    means || tiles
+/// Whether a channel's mean or a tile differs by more than `tolerance`, as a share of A. Light where A is black differs by
+/// more than any share.
+fn exceeds(comparison: &Comparison, tolerance: f64, a: &Image, b: &Image) -> bool {
+    let off = |ratio: &Option<f64>| ratio.is_some_and(|ratio| (ratio - 1.0).abs() > tolerance);
+    let means = comparison.metric("ratio").is_some_and(|value| value.channels.iter().any(off));
+    let tiles = comparison.tiles.rows.iter().flatten().any(|tile| tile.channels.iter().any(off));
+    means || tiles || light_in_black_tiles(comparison, a, b)
 }
 
+/// Whether B has light in a channel of a tile, or of the image, in which A has none: no ratio stands there.
+fn light_in_black_tiles(comparison: &Comparison, a: &Image, b: &Image) -> bool {
+    let lines = comparison.tiles.rows.len();
+    comparison.tiles.rows.iter().enumerate().any(|(row, tiles)| {
+        tiles.iter().enumerate().any(|(column, tile)| {
+            let black = |channel: usize| tile.channels[channel].is_none();
+            if !(0..3).any(black) {
+                return false;
+            }
+            let part = |at: usize, of: usize, size: usize| at * size / of..(at + 1) * size / of;
+            part(row, lines, a.height).any(|y| {
+                part(column, tiles.len(), a.width).any(|x| {
+                    let (dark, light) = (a.at(x, y), b.at(x, y));
+                    (0..3)
+                        .any(|channel| black(channel) && light[channel].is_finite() && light[channel] != dark[channel])
+                })
+            })
+        })
+    })
+}
+
+/// Writes the picture and the numbers into a folder of their own.
 fn write_folder(
     folder: &Path,
     command: &Diff,
@@ -83,14 +107,17 @@ fn write_folder(
     b: &Image,
     document: &serde_json::Value,
 ) -> Result<(), Failure> {
-    let failed =
-        |what: &str, text: String| Failure::new(Exit::Environment, format!("{}: {text}", folder.join(what).display()));
-    std::fs::create_dir_all(folder).map_err(|error| failed("", error.to_string()))?;
-    write_difference_png(&folder.join("difference.png"), a, b, f64::from(command.exposure))
-        .map_err(|error| failed("difference.png", error.to_string()))?;
+    let failed = |error: std::io::Error| unwritable(folder, &error);
+    let work = tempfile::tempdir().map_err(failed)?;
+    let picture = work.path().join("difference.png");
+    write_difference_png(&picture, a, b, f64::from(command.exposure))
+        .map_err(|error| Failure::new(Exit::Environment, error.to_string()))?;
+    let picture = std::fs::read(&picture).map_err(failed)?;
     let text = format!("{document:#}\n");
-    write_atomically(&folder.join("diff.json"), &mut |out| out.write_all(text.as_bytes()))
-        .map_err(|error| failed("diff.json", error.to_string()))?;
+    let mut sink = DiskSink::new(folder, "diff", false, command.force).map_err(failed)?;
+    sink.file("difference.png", &mut |out| out.write_all(&picture)).map_err(failed)?;
+    sink.file("diff.json", &mut |out| out.write_all(text.as_bytes())).map_err(failed)?;
+    sink.finish().map_err(failed)?;
     terminal::say(&format!("{} written (green: B brighter, red: B dimmer)", folder.join("difference.png").display()));
     Ok(())
 }

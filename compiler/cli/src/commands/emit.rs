@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use ltsc_core::pipeline;
 
 use crate::args::{Build, Emit, Format};
-use crate::disk::DiskSink;
+use crate::disk::{DiskSink, unwritable};
 use crate::output::{Exit, Failure};
 use crate::project;
 use crate::terminal;
@@ -15,24 +15,17 @@ use super::shared::one;
 pub fn run(command: &Emit) -> Result<Exit, Failure> {
     let target = project::target(&command.target)?;
     let Some(file) = &command.scene else { return all(command) };
-    let scene = match one(file, &command.findings, &command.settings)? {
+    let scene = match one(file, &command.findings, &command.settings, true)? {
         Ok(scene) => scene,
         Err(exit) => return Ok(exit),
     };
     scene.report_losses(target, command.findings.format);
     let name = format!("{}-{}", scene.scene.name, target.name);
     let folder = command.output.clone().unwrap_or_else(|| PathBuf::from(name));
-    let unwritable = |error: std::io::Error| {
-        let failure = Failure::new(Exit::Environment, format!("{}: {error}", folder.display()));
-        if error.kind() == std::io::ErrorKind::AlreadyExists {
-            Failure { exit: Exit::Usage, ..failure }.help("choose another folder, or add `--force` to write into it")
-        } else {
-            failure
-        }
-    };
-    let mut sink = DiskSink::new(&folder, &scene.scene.name, false, command.force).map_err(unwritable)?;
-    pipeline::emit_alone(&scene.scene, scene.camera, target, &mut sink).map_err(unwritable)?;
-    let changes = sink.finish().map_err(unwritable)?;
+    let failed = |error: std::io::Error| unwritable(&folder, &error);
+    let mut sink = DiskSink::new(&folder, &scene.scene.name, false, command.force).map_err(failed)?;
+    pipeline::emit_alone(&scene.scene, scene.camera, target, &mut sink).map_err(failed)?;
+    let changes = sink.finish().map_err(failed)?;
     if command.findings.format == Format::Human {
         let main = folder.join(target.main_file_of(&scene.scene.name));
         let what = if changes.is_empty() { "is up to date" } else { "written" };

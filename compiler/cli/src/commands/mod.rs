@@ -10,13 +10,14 @@ mod render;
 mod renderers;
 mod shared;
 
-use crate::args::{Arguments, Command};
+use crate::args::{Arguments, Command, Format, RenderersAction};
 use crate::output::Exit;
 use crate::terminal;
 
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Exit {
     terminal::choose(arguments.color);
+    let json = wants_json(&arguments.command);
     let done = match arguments.command {
         Command::Build(command) => build::run(&command),
         Command::Lint(command) => lint::run(&command),
@@ -27,5 +28,29 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Explain(command) => explain::run(&command),
         Command::Completions { shell } => completions::run(shell),
     };
-    done.unwrap_or_else(|failure| failure.show())
+    let exit = done.unwrap_or_else(|failure| {
+        if json {
+            terminal::print(&failure.json());
+        }
+        failure.show()
+    });
+    // A gate must not turn green because its answer could not be written.
+    if terminal::output_failed() && exit == Exit::Done { Exit::Environment } else { exit }
+}
+
+/// Whether the command's output is for programs.
+fn wants_json(command: &Command) -> bool {
+    let format = match command {
+        Command::Build(command) => command.findings.format,
+        Command::Lint(command) => command.findings.format,
+        Command::Emit(command) => command.findings.format,
+        Command::Render(command) => command.findings.format,
+        Command::Diff(command) => command.format,
+        Command::Renderers(command) => match command.action {
+            RenderersAction::List { format } => format,
+            RenderersAction::Install { .. } => Format::Human,
+        },
+        Command::Explain(_) | Command::Completions { .. } => Format::Human,
+    };
+    format == Format::Json
 }

@@ -24,7 +24,7 @@ use super::shared::{One, one};
 pub fn run(command: &Render) -> Result<Exit, Failure> {
     let driver = find_driver(&command.renderer)?;
     check_output(command)?;
-    let scene = match one(&command.scene, &command.findings, &command.settings)? {
+    let scene = match one(&command.scene, &command.findings, &command.settings, false)? {
         Ok(scene) => scene,
         Err(exit) => return Ok(exit),
     };
@@ -48,10 +48,14 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
     if command.findings.format == Format::Json {
         let document = json!({
             "image": command.output, "log": log, "renderer": driver.name, "renderer_version": rendered.renderer_version,
-            "samples": rendered.samples_done, "seconds": rendered.seconds, "scene_hash": scene.hash,
+            "samples": rendered.samples_done, "non_finite_pixels": rendered.image.non_finite(), "seconds": rendered.seconds, "scene_hash": scene.hash,
         });
         terminal::print(&format!("{document:#}\n"));
     } else {
+        let bad = rendered.image.non_finite();
+        if bad > 0 {
+            terminal::say(&format!("warning: {bad} pixels are infinite or not a number"));
+        }
         terminal::say(&format!(
             "{} written: {} {}, {} samples, {:.1} s",
             command.output.display(),

@@ -173,16 +173,27 @@ impl One {
 }
 
 /// Reads, checks and prepares the scene in `file`.
-pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) -> Result<Result<One, Exit>, Failure> {
+///
+/// Programs get the findings as the one document of the command where they end it, and else only if `alone`.
+pub fn one(
+    file: &Path,
+    findings: &args::Findings,
+    settings: &args::Settings,
+    alone: bool,
+) -> Result<Result<One, Exit>, Failure> {
     let project = Project::of(file)?;
     if file.is_dir() {
         return Err(Failure::new(Exit::Usage, format!("{} is a folder", file.display())).help("name one scene"));
     }
     let overrides = overrides(settings)?;
     let files = check(&project, &[file.to_path_buf()], findings, overrides.clone())?;
-    let (exit, _) = report(&files, Vec::new(), findings.format, false);
-    if exit != Exit::Done {
-        return Ok(Err(exit));
+    let json = findings.format == Format::Json;
+    let worst = files.iter().map(|file| file.checked.worst()).max().unwrap_or(Severity::Allow);
+    if !json || Exit::of(worst) != Exit::Done {
+        let (exit, _) = report(&files, Vec::new(), findings.format, false);
+        if exit != Exit::Done {
+            return Ok(Err(exit));
+        }
     }
     let Some(CheckedFile { path, checked, sources }) = files.into_iter().next() else { return Ok(Err(Exit::Fault)) };
     let Some(scene) = checked.scene else {
@@ -192,7 +203,13 @@ pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) ->
     let hash = hash(&checked.inputs, &overrides);
     let camera = camera(&scene, settings.camera.as_deref())?;
     match pipeline::prepare(scene) {
-        Ok((scene, remarks)) => Ok(Ok(One { project, sources, scene, camera, hash, remarks })),
+        Ok((scene, mut remarks)) => {
+            remarks.splice(0..0, checked.findings.into_iter().filter(|_| json));
+            if json && alone {
+                report_loose(remarks.clone(), &sources, Format::Json);
+            }
+            Ok(Ok(One { project, sources, scene, camera, hash, remarks }))
+        }
         Err(invalid) => Ok(Err(report_loose(invalid, &sources, findings.format))),
     }
 }

@@ -186,7 +186,12 @@ impl Finding {
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let limit = (name.chars().count() / 3).max(1);
     let mut best: Option<(usize, &'a str)> = None;
+    let length = name.chars().count();
     for candidate in known {
+        // The distance is at least the difference of the lengths: most candidates need no closer look.
+        if candidate.chars().count().abs_diff(length) > limit {
+            continue;
+        }
         let away = distance(name, candidate);
         if away <= limit && best.is_none_or(|(least, _)| away < least) {
             best = Some((away, candidate));

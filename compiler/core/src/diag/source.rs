@@ -1,6 +1,6 @@
 //! The text files of a run, and the way from byte offsets to lines and columns.
 
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// A text file of [`Sources`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -22,6 +22,8 @@ pub struct SourceFile {
     pub path: String,
     /// The whole text.
     pub text: Arc<str>,
+    /// Where lines start, found when it is first asked for.
+    lines: OnceLock<Vec<usize>>,
 }
 
 /// All text files of a run, in the order in which they were met.
@@ -34,7 +36,7 @@ impl Sources {
     /// Adds a file.
     pub fn add(&mut self, path: impl Into<String>, text: impl Into<Arc<str>>) -> FileId {
         let id = FileId(u32::try_from(self.files.len()).unwrap_or(u32::MAX));
-        self.files.push(SourceFile { path: path.into(), text: text.into() });
+        self.files.push(SourceFile { path: path.into(), text: text.into(), lines: OnceLock::new() });
         id
     }
 
@@ -53,19 +55,19 @@ impl Sources {
         self.files.iter()
     }
 
-    /// Line and column of a byte offset. Reads the text up to it: for findings, not for bulk.
+    /// Line and column of a byte offset.
     pub fn position(&self, file: FileId, offset: u32) -> Position {
         let text = &self.get(file).text;
         let mut at = (offset as usize).min(text.len());
         while !text.is_char_boundary(at) {
             at -= 1;
         }
-        let before = &text.as_bytes()[..at];
-        let line_start = before.iter().rposition(|byte| *byte == b'\n').map_or(0, |found| found + 1);
-        Position {
-            line: before.iter().filter(|byte| **byte == b'\n').count() + 1,
-            column: text[line_start..at].chars().count() + 1,
-        }
+        let lines = self.get(file).lines.get_or_init(|| {
+            let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
+            std::iter::once(0).chain(ends.map(|(end, _)| end + 1)).collect()
+        });
+        let line = lines.partition_point(|start| *start <= at);
+        Position { line, column: text[lines[line - 1]..at].chars().count() + 1 }
     }
 }
 

@@ -32,6 +32,13 @@ impl Interpreter<'_> {
                     .help(format!("write `scene {}`, or rename the file", path.stem())),
             );
         }
+        if !names_a_folder(&name.text) {
+            self.findings.push(
+                Finding::error("scene-name", name.span, "the name of a scene is also that of its folder")
+                    .label("cannot be the name of a folder on every system")
+                    .help("use letters, digits, `_` and `-`, at most 100, beginning with a letter"),
+            );
+        }
         let missing = [
             (
                 Kind::Camera,
@@ -173,6 +180,21 @@ impl Interpreter<'_> {
             ),
         }
     }
+}
+
+/// Whether a folder can have this name on every system; device names are Windows's.
+fn names_a_folder(name: &str) -> bool {
+    let plain = name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '_' | '-'));
+    let device = |word: &str| {
+        matches!(word, "con" | "prn" | "aux" | "nul")
+            || word.len() == 4
+                && (word.starts_with("com") || word.starts_with("lpt"))
+                && word.ends_with(|c: char| c.is_ascii_digit())
+    };
+    plain
+        && name.len() <= 100
+        && name.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_')
+        && !device(&name.to_ascii_lowercase())
 }
 
 fn field_span(header: &Header, field: &str) -> Span {

@@ -168,12 +168,10 @@ impl Interpreter<'_> {
                 StatementKind::Scene { .. } => Some("`scene`"),
                 StatementKind::Use { .. } => Some("`use`"),
                 StatementKind::Parameter { .. } => Some("`param`"),
-                StatementKind::Declaration { kind, .. } => match kind {
-                    syntax::Kind::Camera | syntax::Kind::Film | syntax::Kind::Integrator | syntax::Kind::Sampler => {
-                        Some("a setting")
-                    }
-                    _ => None,
-                },
+                StatementKind::Declaration {
+                    kind: syntax::Kind::Camera | syntax::Kind::Film | syntax::Kind::Integrator | syntax::Kind::Sampler,
+                    ..
+                } => Some("a setting"),
                 _ => None,
             };
             match misplaced {

@@ -5,6 +5,7 @@ use std::rc::Rc;
 use crate::ir::Color;
 use crate::syntax::{Binary, Unary};
 
+use super::LIST_LIMIT;
 use super::value::Value;
 
 /// Why an operator gives no value: the message, and what to write instead.
@@ -79,14 +80,26 @@ fn logic(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wrong> 
 }
 
 fn equality(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wrong> {
-    match same(left, right) {
+    let mut left_over = LIST_LIMIT;
+    match compare(left, right, &mut left_over) {
+        _ if left_over == 0 => wrong(format!("the values have more than {LIST_LIMIT} parts, too many to compare")),
         Some(equal) => Ok(Value::Bool(equal == (operator == Binary::Equal))),
         None => mismatch(operator, left, right),
     }
 }
 
-/// Whether two values of the same type are equal; none for types that cannot be compared.
+/// Whether two values of the same type are equal; none for types that cannot be compared, and for very large values.
 pub(super) fn same(left: &Value, right: &Value) -> Option<bool> {
+    let mut left_over = LIST_LIMIT;
+    compare(left, right, &mut left_over).filter(|_| left_over > 0)
+}
+
+/// [`same`] within a budget of parts: lists of lists share their parts, and can be larger than any memory.
+fn compare(left: &Value, right: &Value, left_over: &mut usize) -> Option<bool> {
+    *left_over = left_over.saturating_sub(1);
+    if *left_over == 0 {
+        return Some(false);
+    }
     match (left, right) {
         (Value::Number(a), Value::Number(b)) | (Value::Angle(a), Value::Angle(b)) => Some(a == b),
         (Value::Bool(a), Value::Bool(b)) => Some(a == b),
@@ -98,7 +111,13 @@ pub(super) fn same(left: &Value, right: &Value) -> Option<bool> {
             if a.len() != b.len() {
                 return Some(false);
             }
-            a.iter().zip(b.iter()).map(|(x, y)| same(x, y)).try_fold(true, |all, one| Some(all && one?))
+            for (x, y) in a.iter().zip(b.iter()) {
+                match compare(x, y, left_over) {
+                    Some(true) => {}
+                    other => return other,
+                }
+            }
+            Some(true)
         }
         _ => None,
     }

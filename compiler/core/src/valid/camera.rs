@@ -3,6 +3,8 @@
 use crate::diag::Finding;
 use crate::ir::{Camera, Scene, cross, length, normalized, sub};
 
+use super::{LARGEST, fits};
+
 pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
     if scene.cameras.is_empty() {
         findings.push(
@@ -23,9 +25,9 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
 
 fn faults(camera: &Camera, mut add: impl FnMut(&str, &str)) {
     let Camera { name: _, eye, target, up, fov_x, near, far } = camera;
-    let finite = |vector: &[f64; 3]| vector.iter().all(|x| x.is_finite());
+    let finite = |vector: &[f64; 3]| vector.iter().all(|x| fits(*x));
     if !(finite(eye) && finite(target) && finite(up)) {
-        add("`eye`, `target` or `up` is not finite", "give finite coordinates");
+        add("`eye`, `target` or `up` is not finite, or beyond 1e30", "give smaller coordinates");
     } else {
         match (normalized(sub(*target, *eye)), normalized(*up)) {
             (None, _) => add("`eye` and `target` are the same point", "move the target along the viewing direction"),
@@ -42,9 +44,9 @@ fn faults(camera: &Camera, mut add: impl FnMut(&str, &str)) {
     }
     for (name, plane) in [("near", near), ("far", far)] {
         if let Some(distance) = plane
-            && !(*distance > 0.0 && distance.is_finite())
+            && !(*distance >= 1.0 / LARGEST && fits(*distance))
         {
-            add(&format!("`{name}` is {distance}"), "clipping distances are positive and finite");
+            add(&format!("`{name}` is {distance}"), "clipping distances lie between 1e-30 and 1e30");
         }
     }
     if let (Some(near), Some(far)) = (near, far)

@@ -3,6 +3,8 @@
 use crate::diag::{Finding, Origin, Severity};
 use crate::ir::{Bsdf, Color, Material, Scene};
 
+use super::fits;
+
 pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
     for (handle, Material { name, bsdf }) in scene.materials.iter() {
         let mut checker = Checker { name, origin: scene.materials.origin(handle), findings };
@@ -47,19 +49,19 @@ impl Checker<'_> {
     }
 
     fn color(&mut self, what: &str, color: &Color, range: &str, holds: impl Fn(f64) -> bool) {
-        let fault = color.rgb().into_iter().find(|x| !x.is_finite() || !holds(*x));
+        let fault = color.rgb().into_iter().find(|x| !fits(*x) || !holds(*x));
         self.fault(what, fault, range);
     }
 
     fn number(&mut self, what: &str, value: f64, range: &str, holds: impl Fn(f64) -> bool) {
-        let fault = Some(value).filter(|x| !x.is_finite() || !holds(*x));
+        let fault = Some(value).filter(|x| !fits(*x) || !holds(*x));
         self.fault(what, fault, range);
     }
 
     fn fault(&mut self, what: &str, value: Option<f64>, range: &str) {
         if let Some(value) = value {
             let name = self.name.escape_debug();
-            let message = format!("material `{name}`: the {what} is {value}, it must be finite and {range}");
+            let message = format!("material `{name}`: the {what} is {value}, it must be {range} and at most 1e30");
             self.findings.push(Finding::error("invalid-material", self.origin.clone(), message));
         }
     }

@@ -5,7 +5,7 @@ use std::fmt::Display;
 
 use crate::diag::Finding;
 use crate::ir::{Mesh, Scene};
-use crate::mesh::is_unit;
+use crate::mesh::{face_normal, is_unit};
 
 pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
     for (handle, mesh) in scene.meshes.iter() {
@@ -38,6 +38,13 @@ fn faults(mesh: &Mesh, mut add: impl FnMut(String, Option<&str>)) {
         let inside = |triangle: &[u32; 3]| triangle.iter().all(|index| (*index as usize) < count);
         if let Some(message) = all(triangles, "triangle", "uses a vertex that is not there", inside) {
             add(format!("{message} (there are {count})"), None);
+        }
+    }
+    if !triangles.is_empty() && is_readable(mesh) {
+        let flat = |triangle: &[u32; 3]| face_normal(mesh.corners(*triangle)).is_none();
+        if triangles.iter().all(flat) {
+            let help = "scale the scene, or move it nearer to the origin";
+            add("all its triangles have no area in single precision".to_owned(), Some(help));
         }
     }
     if let Some(normals) = normals {

@@ -16,6 +16,15 @@ use std::ops::Deref;
 use crate::diag::Finding;
 use crate::ir::Scene;
 
+/// The largest number that is written. Renderers compute in single precision, which ends at 3.4e38: this leaves room for
+/// sums and small products.
+const LARGEST: f64 = 1e30;
+
+/// Whether renderers can compute with `x`.
+fn fits(x: f64) -> bool {
+    x.abs() <= LARGEST
+}
+
 /// A scene that has been checked; the only way to one is [`validate`].
 #[derive(Clone, Debug)]
 pub struct Valid(Scene);

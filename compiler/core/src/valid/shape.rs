@@ -4,6 +4,7 @@ use crate::diag::Finding;
 use crate::ir::{Emission, Scene, Shape};
 use crate::mesh::bounds;
 
+use super::fits;
 use super::mesh::is_readable;
 
 pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
@@ -45,9 +46,9 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
             }
         }
         if let Some(Emission { radiance }) = emission
-            && !radiance.rgb().iter().all(|x| x.is_finite() && *x >= 0.0)
+            && !radiance.rgb().iter().all(|x| fits(*x) && *x >= 0.0)
         {
-            fault("invalid-emission", "its radiance is negative or not finite", None);
+            fault("invalid-emission", "its radiance is negative, not finite, or beyond 1e30", None);
         }
     }
 }
