@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use super::{root, skip};
+use super::{root, scenes, skip};
 
 /// The folder `node_modules` with the package `gltf-validator`.
 fn modules() -> Option<PathBuf> {
@@ -27,7 +27,7 @@ validator.validateBytes(new Uint8Array(fs.readFileSync(file)), {
 #[test]
 fn generated_gltf_has_no_error_and_no_warning() {
     let Some(modules) = modules() else { return skip("gltf", "the npm package gltf-validator in target/validators") };
-    for scene in ["cbox_classic", "cbox_empty", "veach_mis"] {
+    for scene in scenes() {
         let file = root().join(format!("generated/{scene}/gltf/{scene}.gltf"));
         let output = Command::new("node").args(["-e", SCRIPT]).arg(&modules).arg(&file).output().expect("node starts");
         assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));

@@ -3,7 +3,7 @@
 
 use std::fs;
 
-use super::{bless, files_below, ltsc, root, run};
+use super::{bless, files_below, ltsc, root, run, scenes};
 
 #[test]
 fn generated_is_what_the_scenes_become() {
@@ -39,8 +39,8 @@ fn two_builds_are_equal_to_the_byte() {
 fn manifests_name_every_generated_file() {
     let generated = root().join("generated");
     let files = files_below(&generated);
-    for scene in ["cbox_classic", "cbox_empty", "veach_mis"] {
-        let text = fs::read_to_string(generated.join(scene).join("manifest.json")).expect("a manifest");
+    for scene in scenes() {
+        let text = fs::read_to_string(generated.join(&scene).join("manifest.json")).expect("a manifest");
         let manifest: serde_json::Value = serde_json::from_str(&text).expect("JSON");
         let named: Vec<String> =
             manifest["files"].as_object().expect("files").keys().map(|path| format!("{scene}/{path}")).collect();

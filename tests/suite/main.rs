@@ -2,6 +2,7 @@
 
 mod cases;
 mod cli;
+mod geometry;
 mod gltf;
 mod golden;
 mod render;
@@ -51,6 +52,18 @@ fn skip(test: &str, lacks: &str) {
 fn corpus() -> Option<PathBuf> {
     let folder = root().parent()?.join("shared/corpus/lteval");
     folder.is_dir().then_some(folder)
+}
+
+/// The names of the project's scenes.
+fn scenes() -> Vec<String> {
+    let files =
+        std::fs::read_dir(root().join("scenes-src")).expect("scenes").map(|entry| entry.expect("an entry").path());
+    let scenes = files.filter(|path| path.extension().is_some_and(|ending| ending == "lts"));
+    let mut names: Vec<String> =
+        scenes.filter_map(|path| Some(path.file_stem()?.to_string_lossy().into_owned())).collect();
+    names.sort();
+    assert!(names.len() >= 5, "{names:?}");
+    names
 }
 
 /// Whether expectations are to be rewritten, by the same switch as snapshots.
