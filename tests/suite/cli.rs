@@ -377,6 +377,15 @@ fn an_answer_that_cannot_be_written_is_no_yes() {
 }
 
 #[test]
+fn columns_count_characters_in_every_form() {
+    let (_folder, path) = scene("one", "let a = (\"é\", nope)");
+    for format in ["human", "short"] {
+        let ran = run(ltsc().arg("lint").arg(&path).args(["--format", format]));
+        assert!(ran.out.contains("one.lts:11:15"), "{}", ran.out);
+    }
+}
+
+#[test]
 fn terminals_are_not_obeyed() {
     let (_folder, path) = scene("one", "let a = nope // \u{1b}]0;title\u{7}");
     for format in ["human", "short"] {

@@ -9,7 +9,10 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use ltsc_core::diag::{Finding, Origin, Severity, Sources, Span};
-use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, NamedSource, SourceCode};
+use miette::{
+    Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError, MietteSpanContents, SourceCode,
+    SourceSpan, SpanContents,
+};
 
 use crate::args::Choice;
 use crate::output::severity_word;
@@ -153,7 +156,7 @@ struct Shown {
     id: &'static str,
     severity: Severity,
     message: String,
-    source: Option<NamedSource<Arc<str>>>,
+    source: Option<Excerpts>,
     labels: Vec<LabeledSpan>,
     /// Places that are in no excerpt.
     remarks: Vec<String>,
@@ -185,7 +188,7 @@ impl Shown {
                 let text = (!label.is_empty()).then(|| harmless(label).into_owned());
                 let range = (span.start as usize, (span.end - span.start) as usize);
                 shown.labels.push(LabeledSpan::new_primary_with_span(text, range));
-                shown.source = Some(NamedSource::new(harmless(&file.path), shown_text));
+                shown.source = Some(Excerpts { path: harmless(&file.path).into_owned(), text: shown_text });
             }
             Origin::File { path, place } => {
                 let place = if place.is_empty() { path.clone() } else { format!("{path}, {place}") };
@@ -205,6 +208,35 @@ impl Shown {
             }
         }
         shown
+    }
+}
+
+/// A file that excerpts are taken from. Miette counts columns in bytes; people count characters.
+#[derive(Debug)]
+struct Excerpts {
+    path: String,
+    text: Arc<str>,
+}
+
+impl SourceCode for Excerpts {
+    fn read_span<'a>(
+        &'a self,
+        span: &SourceSpan,
+        lines_before: usize,
+        lines_after: usize,
+    ) -> Result<Box<dyn SpanContents<'a> + 'a>, MietteError> {
+        let inner = self.text.read_span(span, lines_before, lines_after)?;
+        let start = inner.span().offset();
+        let line = self.text[..start].rfind('\n').map_or(0, |end| end + 1);
+        let column = if inner.column() == 0 { 0 } else { self.text[line..start].chars().count() };
+        Ok(Box::new(MietteSpanContents::new_named(
+            self.path.clone(),
+            inner.data(),
+            *inner.span(),
+            inner.line(),
+            column,
+            inner.line_count(),
+        )))
     }
 }
 

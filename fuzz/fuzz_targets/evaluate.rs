@@ -1,0 +1,29 @@
+//! Any scene gives findings or files for every target.
+#![no_main]
+
+use libfuzzer_sys::fuzz_target;
+use ltsc_core::diag::{Severity, Sources};
+use ltsc_core::files::{MemoryFiles, MemorySink, VPath};
+use ltsc_core::formats::TARGETS;
+use ltsc_core::pipeline::{Options, camera, check, emit_alone, prepare};
+
+fuzz_target!(|text: &str| {
+    let mut files = MemoryFiles::default();
+    files.insert("fuzz.lts", text);
+    let path = VPath::resolve("", "fuzz.lts").expect("a path");
+    let checked = check(&files, &mut Sources::default(), &path, &Options::default());
+    let worst = checked.worst();
+    let Some(scene) = checked.scene else {
+        assert!(worst == Severity::Error || checked.library, "no scene and no reason");
+        return;
+    };
+    let triangles: usize = scene.meshes.values().map(|mesh| mesh.triangles.len()).sum();
+    if triangles > 10_000 {
+        return;
+    }
+    let Ok((scene, _)) = prepare(scene) else { return };
+    let camera = camera(&scene, None).expect("a valid scene has a camera");
+    for target in TARGETS {
+        emit_alone(&scene, camera, target, &mut MemorySink::default()).expect("memory takes everything");
+    }
+});
