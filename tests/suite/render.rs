@@ -66,14 +66,16 @@ fn two_renderers_give_one_image_of_cbox_classic() {
         return skip("two renderers", "`ltsc renderers install mitsuba-3 luxcore`");
     }
     let folder = tempfile::tempdir().expect("a folder");
-    let (mitsuba, facts) = render(folder.path(), "cbox_classic", "mitsuba-3", 512, 0);
-    let (luxcore, _) = render(folder.path(), "cbox_classic", "luxcore", 512, 0);
+    // At 512 samples the noisiest tile's ratio has a standard deviation of 0.9 %: a bound of 2 % would fail one run in
+    // twenty by chance alone. At 1024 it is one in some hundred.
+    let (mitsuba, facts) = render(folder.path(), "cbox_classic", "mitsuba-3", 1024, 0);
+    let (luxcore, _) = render(folder.path(), "cbox_classic", "luxcore", 1024, 0);
     judge("LuxCore against Mitsuba 3", &mitsuba, &luxcore, 0.005, 0.02);
 
     let fact = |name: &str| facts.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str());
     assert_eq!(fact("ltsc:scene"), Some("cbox_classic"));
     assert_eq!(fact("ltsc:renderer"), Some("mitsuba-3"));
-    assert_eq!((fact("ltsc:samples"), fact("ltsc:seed")), (Some("512"), Some("0")));
+    assert_eq!((fact("ltsc:samples"), fact("ltsc:seed")), (Some("1024"), Some("0")));
     for name in ["ltsc:scene-hash", "ltsc:version", "ltsc:renderer-version", "ltsc:seconds"] {
         assert!(fact(name).is_some_and(|value| !value.is_empty()), "{name} is missing");
     }
@@ -85,6 +87,11 @@ fn two_renderers_give_one_image_of_cbox_classic() {
     judge("LuxCore against the thesis", &reference, &luxcore, 0.005, 0.02);
 }
 
+/// The standard deviation of the mean of one image of veach_mis, 128 x 128 pixels, of one sample per pixel: 1.9 % at 64
+/// samples over 8 seeds (measured with Mitsuba 3.9.1), falling with the root of the samples. Rare bright paths make it up:
+/// a few images that all missed them look alike, so that their own scatter tells too little.
+const VEACH_NOISE: f64 = 0.019 * 8.0;
+
 /// The mean over seeds of the ratio to the reference, within 1 % or four standard errors of 1.
 #[test]
 fn veach_mis_has_the_mean_of_the_thesis() {
@@ -95,15 +102,16 @@ fn veach_mis_has_the_mean_of_the_thesis() {
     let (reference, _) = read(&corpus.join("veach_mis/mitsuba_0_5/reference.exr")).expect("the reference");
     let reference = reduce(&reference, 128, 128).expect("a smaller reference");
     let folder = tempfile::tempdir().expect("a folder");
-    for (renderer, samples) in [("mitsuba-3", 64), ("luxcore", 64)] {
+    for (renderer, samples) in [("mitsuba-3", 256), ("luxcore", 256)] {
         let seeds = [1, 2, 3, 4];
         let ratios =
             seeds.map(|seed| ratio(&reference, &render(folder.path(), "veach_mis", renderer, samples, seed).0));
         let mean = ratios.iter().sum::<f64>() / 4.0;
         let variance = ratios.iter().map(|ratio| (ratio - mean) * (ratio - mean)).sum::<f64>() / 3.0;
-        let error = (variance / 4.0).sqrt();
+        let known = VEACH_NOISE / f64::from(samples).sqrt() / 2.0;
+        let error = (variance / 4.0).sqrt().max(known);
         assert!((mean - 1.0).abs() <= f64::max(0.01, 4.0 * error), "{renderer}: {mean:.4} +- {error:.4} {ratios:?}");
-        assert!(error < 0.03, "{renderer}: too noisy to tell anything, {ratios:?}");
+        assert!(error < 0.015, "{renderer}: too noisy to tell anything, {ratios:?}");
         assert!(ratios.windows(2).all(|pair| pair[0] != pair[1]), "{renderer}: seeds do nothing, {ratios:?}");
     }
 }
