@@ -198,6 +198,18 @@ impl Interpreter<'_> {
     fn version(&mut self, tree: &Tree) {
         let start = Span::new(tree.file, 0, 0);
         let first = tree.statements.first();
+        for later in tree.statements.iter().skip(1) {
+            if matches!(later.kind, StatementKind::Version(_)) {
+                self.findings.push(
+                    Finding::error(
+                        "misplaced-statement",
+                        later.span,
+                        "`lts` must be the first statement, and stand once",
+                    )
+                    .help("remove it, or move it to the start of the file"),
+                );
+            }
+        }
         let Some(StatementKind::Version(number)) = first.map(|statement| &statement.kind) else {
             if tree.statements.is_empty()
                 && self.findings.iter().any(|finding| finding.origin.span().is_some_and(|span| span.file == tree.file))
@@ -231,15 +243,8 @@ impl Interpreter<'_> {
 
     pub(super) fn statement(&mut self, module: &mut Module, scope: &mut Scope, statement: &Statement) {
         match &statement.kind {
-            StatementKind::Version(number) => {
-                if number.span.start > 64 && module.header.is_some() {
-                    self.findings.push(Finding::error(
-                        "misplaced-statement",
-                        statement.span,
-                        "`lts` must be the first statement",
-                    ));
-                }
-            }
+            // `version` has looked at them.
+            StatementKind::Version(_) => {}
             StatementKind::Scene { name, fields } => self.header(module, scope, name, fields, &statement.doc),
             StatementKind::Use { names, path } => self.use_names(scope, names, path),
             StatementKind::Declaration { kind, name, params, value, with } => {
