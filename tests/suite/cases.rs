@@ -11,6 +11,7 @@ const BEYOND_TEXT: &[(&str, &str)] = &[
     ("invalid-camera", "an importer: the constructor refuses first"),
     ("invalid-emission", "an importer: the constructor refuses first"),
     ("invalid-film", "an importer: the constructor refuses first"),
+    ("invalid-group", "an importer: the evaluator counts and measures groups itself"),
     ("invalid-integrator", "an importer: the constructor refuses first"),
     ("invalid-material", "an importer: the constructor refuses first"),
     ("invalid-name", "an importer: the grammar refuses first"),

@@ -67,6 +67,8 @@ pub enum Feature {
     TransformedShape,
     /// A mesh used by several shapes.
     SharedMesh,
+    /// A group placed by instances.
+    Instances,
     /// A pinhole camera.
     Camera,
     /// A near or far clipping distance.
@@ -119,6 +121,7 @@ impl Feature {
         Self::TextureCoordinates,
         Self::TransformedShape,
         Self::SharedMesh,
+        Self::Instances,
         Self::Camera,
         Self::ClippingPlanes,
         Self::SeveralCameras,
@@ -158,6 +161,7 @@ impl Feature {
             Self::TextureCoordinates => "texture coordinates",
             Self::TransformedShape => "a shape with a transform",
             Self::SharedMesh => "a mesh used several times",
+            Self::Instances => "instances of a group",
             Self::Camera => "a pinhole camera",
             Self::ClippingPlanes => "clipping distances of the camera",
             Self::SeveralCameras => "several cameras",
@@ -208,8 +212,20 @@ impl Support {
 
 /// What `scene` asks for, each feature once with the first place that asks for it, in the order of [`Feature::ALL`].
 pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
-    let Scene { name: _, origin, documentation: _, meshes, materials, shapes, cameras, film, integrator, sampler } =
-        scene;
+    let Scene {
+        name: _,
+        origin,
+        documentation: _,
+        meshes,
+        materials,
+        shapes: _,
+        groups: _,
+        instances,
+        cameras,
+        film,
+        integrator,
+        sampler,
+    } = scene;
     let mut asked = Asked::default();
     for (handle, material) in materials.iter() {
         let Material { name: _, bsdf } = material;
@@ -223,9 +239,8 @@ pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
         asked.add_if(uvs.is_some(), Feature::TextureCoordinates, place);
     }
     let mut uses = vec![0_u32; meshes.len()];
-    for (handle, shape) in shapes.iter() {
+    for (place, shape) in scene.surfaces() {
         let Shape { name: _, mesh, transform, material, emission } = shape;
-        let place = shapes.origin(handle);
         uses[mesh.index()] += 1;
         asked.add_if(uses[mesh.index()] > 1, Feature::SharedMesh, place);
         asked.add_if(*transform != crate::ir::Affine::IDENTITY, Feature::TransformedShape, place);
@@ -239,6 +254,9 @@ pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
             asked.add(kind, place);
             asked.add_if(!radiance.is_grey(), Feature::ColouredEmitter, place);
         }
+    }
+    for (place, _) in instances.entries().take(1) {
+        asked.add(Feature::Instances, place);
     }
     for (at, (handle, camera)) in cameras.iter().enumerate() {
         let Camera { name: _, eye: _, target: _, up: _, fov_x: _, near, far } = camera;

@@ -32,12 +32,20 @@ pub const CODES: &[Code] = &[
         "A list has no element at this index.\nElements are counted from 0, and a range contains both its ends.",
     ),
     code(
+        "instance-limit",
+        "Groups make more than 10 million shapes and instances.\nInstances within a group count as often as their group is placed.",
+    ),
+    code(
         "invalid-argument",
         "An argument has the right type and no meaning, such as a width of 0.\n`ltsc explain NAME` shows the range of each argument of a constructor.",
     ),
     code("invalid-camera", "A camera looks nowhere, or its angle of view is not between 0 and 180 degrees."),
     code("invalid-emission", "An emitter's radiance is negative or not finite."),
     code("invalid-film", "A film has no pixels, too many, or a filter without extent."),
+    code(
+        "invalid-group",
+        "A group is empty, or its instances cannot be multiplied out: groups may lie 128 deep in each other\nand make 10 million shapes and instances.",
+    ),
     code("invalid-integrator", "A path has no segments."),
     code("invalid-material", "A material's numbers are not finite or outside their range."),
     code(

@@ -6,13 +6,14 @@ use std::rc::Rc;
 use crate::diag::{Finding, Span, nearest};
 use crate::files::VPath;
 use crate::ir::{
-    Arena, Bsdf, Camera, Color, Documentation, Emission, Film, Handle, Integrator, Material, Mesh, Sampler, Scene,
-    Shape, Similar,
+    Arena, Bsdf, Camera, Color, Documentation, Emission, Film, Group, Handle, Instance, Integrator, Material, Mesh,
+    Sampler, Scene, Shape, Similar,
 };
 use crate::syntax::{Kind, Name};
 
+use super::items::{GroupBody, Item, Placed};
 use super::module::{Header, Module};
-use super::value::{CameraValue, MaterialValue, Value};
+use super::value::{CameraValue, GroupValue, MaterialValue, Value};
 use super::{Interpreter, Overrides, Reported};
 
 /// The fields of a scene's header.
@@ -21,7 +22,7 @@ const FIELDS: [&str; 5] = ["paths", "similar", "comments", "source", "license"];
 impl Interpreter<'_> {
     /// The scene of a scene file; none for a library, and where settings are missing.
     pub(super) fn assemble(&mut self, module: Module, path: &VPath, overrides: &Overrides) -> Option<Scene> {
-        let Module { header, items, cameras, film, integrator, sampler, broken, .. } = module;
+        let Module { header, items, instances, cameras, film, integrator, sampler, broken, .. } = module;
         let header = header?;
         let documentation = self.documentation(&header);
         let Header { name, doc: _, fields: _ } = header;
@@ -64,20 +65,9 @@ impl Interpreter<'_> {
             let _handle: Handle<Camera> = arena.push(finish_camera(name, &camera, &film), span);
             arena
         });
-        for item in items {
-            let mesh = built.mesh(&item.mesh.mesh, item.mesh.span);
-            let (material, emission) = match (item.material, item.emission) {
-                (Some(material), _) => (built.material(&material, &item.name), None),
-                (None, Some(emission)) => {
-                    let over = emission.over.as_ref().map(|over| built.material(over, &item.name));
-                    (over.unwrap_or_else(|| built.black(item.span)), Some(Emission { radiance: emission.radiance }))
-                }
-                (None, None) => continue,
-            };
-            let shape = Shape { name: item.name, mesh, transform: item.mesh.transform, material, emission };
-            built.shapes.push(shape, item.span);
-        }
-        let Builder { meshes, materials, shapes, .. } = built;
+        let instances = built.instances(&instances);
+        let shapes = built.shapes(&items);
+        let Builder { meshes, materials, groups, .. } = built;
         Some(Scene {
             name: name.text,
             origin: name.span.into(),
@@ -85,6 +75,8 @@ impl Interpreter<'_> {
             meshes,
             materials,
             shapes,
+            groups,
+            instances,
             cameras,
             film,
             integrator: override_integrator(&integrator, overrides),
@@ -213,16 +205,58 @@ fn split_doc(doc: &str) -> (String, String) {
 struct Builder {
     meshes: Arena<Mesh>,
     materials: Arena<Material>,
-    shapes: Arena<Shape>,
+    groups: Arena<Group>,
     /// By address; the values are kept alive so that no address is used twice.
     known_meshes: HashMap<*const Mesh, (Handle<Mesh>, Rc<Mesh>)>,
     known_materials: HashMap<*const MaterialValue, (Handle<Material>, Rc<MaterialValue>)>,
     /// By name and numbers.
     equal_materials: HashMap<String, Handle<Material>>,
+    known_groups: HashMap<*const GroupBody, (Handle<Group>, Rc<GroupBody>)>,
     black: Option<Handle<Material>>,
 }
 
 impl Builder {
+    fn shapes(&mut self, items: &[Item]) -> Arena<Shape> {
+        let mut shapes = Arena::default();
+        for item in items {
+            let Item { name, span, mesh, material, emission } = item;
+            let (material, emission) = match (material, emission) {
+                (Some(material), _) => (self.material(material, name), None),
+                (None, Some(emission)) => {
+                    let over = emission.over.as_ref().map(|over| self.material(over, name));
+                    (over.unwrap_or_else(|| self.black(*span)), Some(Emission { radiance: emission.radiance }))
+                }
+                (None, None) => continue,
+            };
+            let handle = self.mesh(&mesh.mesh, mesh.span);
+            let shape = Shape { name: name.clone(), mesh: handle, transform: mesh.transform, material, emission };
+            shapes.push(shape, *span);
+        }
+        shapes
+    }
+
+    /// Groups come first, so that handles point backwards. How deep they hold each other is limited.
+    fn instances(&mut self, placed: &[Placed]) -> Arena<Instance> {
+        let mut instances = Arena::default();
+        for Placed { name, span, group: GroupValue { body, transform } } in placed {
+            let group = self.group(body);
+            instances.push(Instance { name: name.clone(), group, transform: *transform }, *span);
+        }
+        instances
+    }
+
+    fn group(&mut self, body: &Rc<GroupBody>) -> Handle<Group> {
+        if let Some((known, _)) = self.known_groups.get(&Rc::as_ptr(body)) {
+            return *known;
+        }
+        let GroupBody { name, span, items, instances, size: _, depth: _ } = &**body;
+        let shapes = self.shapes(items);
+        let instances = self.instances(instances);
+        let handle = self.groups.push(Group { name: name.clone(), shapes, instances }, *span);
+        self.known_groups.insert(Rc::as_ptr(body), (handle, Rc::clone(body)));
+        handle
+    }
+
     fn mesh(&mut self, mesh: &Rc<Mesh>, span: Span) -> Handle<Mesh> {
         let meshes = &mut self.meshes;
         let entry = self.known_meshes.entry(Rc::as_ptr(mesh));

@@ -8,6 +8,7 @@ use crate::diag::{Finding, Severity, Span, nearest};
 use crate::ir::Affine;
 use crate::syntax::{Call, Clause, Expr, ExprKind, Kind, Name, Param, Statement, Type};
 
+use super::items::GroupBody;
 use super::module::{Module, Scope};
 use super::table::{self, Family};
 use super::value::{GroupValue, MaterialValue, Ty, Value};
@@ -271,7 +272,10 @@ impl Interpreter<'_> {
         if self.findings[before..].iter().any(|finding| finding.severity == Severity::Error) {
             return Err(Reported);
         }
-        Ok(Value::Group(GroupValue { items: module.items.into(), transform: Affine::IDENTITY }))
+        let Module { items, instances, size, group_depth, .. } = module;
+        let (name, span) = (function.name.clone(), function.span);
+        let body = GroupBody { name, span, items, instances, size, depth: group_depth.max(1) };
+        Ok(Value::Group(GroupValue { body: Rc::new(body), transform: Affine::IDENTITY }))
     }
 
     /// The names that the body of a function sees.

@@ -1,7 +1,7 @@
 //! Tree to Scene: names, types, units, constructors. Every error is a finding; evaluation goes on behind it.
 //!
 //! Reading order: `value`, `ops`, [`table`] (constructors), `expr` (expressions and calls), `function`, `module` (statements
-//! and `use`), `flow` (loops, conditions, parameters), `assemble` (the Scene).
+//! and `use`), `items` (shapes, instances, settings), `flow` (loops, conditions, parameters), `assemble` (the Scene).
 
 #![expect(clippy::wildcard_enum_match_arm, reason = "a value of any other type is the same mistake, and is reported")]
 
@@ -9,6 +9,7 @@ mod assemble;
 mod expr;
 mod flow;
 mod function;
+mod items;
 mod module;
 mod ops;
 mod table;
@@ -35,9 +36,6 @@ pub const LIST_LIMIT: usize = 1_000_000;
 
 /// The most calls and iterations of a file.
 pub const STEP_LIMIT: u64 = 10_000_000;
-
-/// The most shapes that instances make.
-pub const INSTANCE_LIMIT: usize = 10_000_000;
 
 /// Settings that replace the scene's own, from the command line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]

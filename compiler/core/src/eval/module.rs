@@ -8,9 +8,10 @@ use crate::files::{PathError, ReadError, VPath};
 use crate::ir::{Film, Integrator, Sampler};
 use crate::syntax::{self, Expr, ExprKind, Kind, Name, Statement, StatementKind, Tree};
 
+use super::items::{self, Item, Placed};
 use super::table::Family;
-use super::value::{CameraValue, EmissionValue, MaterialValue, MeshValue, Value};
-use super::{Allow, INSTANCE_LIMIT, Interpreter, Reported, TEXT_LIMIT};
+use super::value::{CameraValue, MaterialValue, Value};
+use super::{Allow, Interpreter, Reported, TEXT_LIMIT};
 
 /// Names and their values; a declared name has a place.
 pub(super) type Names = BTreeMap<String, (Value, Span)>;
@@ -77,21 +78,16 @@ pub(super) struct Header {
     pub fields: Vec<(Name, Value)>,
 }
 
-/// A shape or an emitter.
-#[derive(Clone, Debug)]
-pub(super) struct Item {
-    pub name: String,
-    pub span: Span,
-    pub mesh: MeshValue,
-    pub material: Option<Rc<MaterialValue>>,
-    pub emission: Option<Rc<EmissionValue>>,
-}
-
 /// A scene file as it was evaluated.
 #[derive(Default)]
 pub(super) struct Module {
     pub header: Option<Header>,
     pub items: Vec<Item>,
+    pub instances: Vec<Placed>,
+    /// Shapes and instances so far, those within groups as often as they are placed.
+    pub size: u64,
+    /// How many groups lie within each other so far.
+    pub group_depth: usize,
     /// Names of shapes (false) and of emitters (true).
     pub item_names: BTreeMap<(bool, String), Span>,
     pub instance_names: BTreeMap<String, Span>,
@@ -110,7 +106,7 @@ pub(super) struct Module {
 
 impl Module {
     /// The name of an item in the loops around it: `lamp[3,0,5]`.
-    fn item_name(&self, name: &Name) -> String {
+    pub(super) fn item_name(&self, name: &Name) -> String {
         if self.path.is_empty() { name.text.clone() } else { format!("{}[{}]", name.text, self.path.join(",")) }
     }
 }
@@ -449,11 +445,13 @@ impl Interpreter<'_> {
     /// Libraries hold values only.
     fn library_only(&mut self, module: &Module) {
         let items = module.items.iter().map(|item| (item.span, "shapes and emitters"));
+        let instances = module.instances.iter().map(|instance| (instance.span, "instances"));
         let cameras = module.cameras.iter().map(|(_, _, span)| (*span, "cameras"));
         let film = module.film.iter().map(|(_, span)| (*span, "films"));
         let integrator = module.integrator.iter().map(|(_, span)| (*span, "integrators"));
         let sampler = module.sampler.iter().map(|(_, span)| (*span, "samplers"));
-        let all: Vec<(Span, &str)> = items.chain(cameras).chain(film).chain(integrator).chain(sampler).collect();
+        let all: Vec<(Span, &str)> =
+            items.chain(instances).chain(cameras).chain(film).chain(integrator).chain(sampler).collect();
         for (span, what) in all {
             self.findings.push(
                 Finding::error("misplaced-statement", span, format!("a library has no {what}"))
@@ -542,7 +540,7 @@ impl Interpreter<'_> {
                 let own = name.map(|name| name.text.clone());
                 Ok(Value::Material(Rc::new(MaterialValue { name: own, bsdf: material.bsdf.clone(), span: value.span })))
             }
-            (Kind::Mesh, Value::Mesh(mesh)) => Ok(Value::Mesh(rename(mesh, name))),
+            (Kind::Mesh, Value::Mesh(mesh)) => Ok(Value::Mesh(items::rename(mesh, name))),
             (Kind::Let, found) => Ok(found),
             (_, found) => self.wrong_kind(kind, value.span, &found),
         });
@@ -564,185 +562,6 @@ impl Interpreter<'_> {
             .label(found.kind()),
         )
     }
-
-    /// `instance name = group |> moves`: the group's shapes and emitters at their place, named `name/shape`.
-    fn instance(&mut self, module: &mut Module, scope: &mut Scope, name: Option<&Name>, value: &Expr, span: Span) {
-        let group = match self.eval(scope, value, None) {
-            Ok(Value::Group(group)) => group,
-            Ok(Value::Function(function)) if function.makes_groups() => {
-                self.findings.push(
-                    Finding::error(
-                        "missing-argument",
-                        value.span,
-                        format!("the group `{}` has parameters", function.name),
-                    )
-                    .help(format!("write `{}(...)` with its arguments", function.name)),
-                );
-                return;
-            }
-            Ok(found) => {
-                let message = format!("`instance` takes a group, not {}", found.kind());
-                let finding = Finding::error("type-mismatch", value.span, message).label(found.kind());
-                let mesh = matches!(found, Value::Mesh(_));
-                self.findings.push(if mesh {
-                    finding.help("write `shape name = ... with ...` for a mesh")
-                } else {
-                    finding
-                });
-                return;
-            }
-            Err(Reported) => return,
-        };
-        let Some(name) = name else { return };
-        let text = module.item_name(name);
-        if let Some(first) = module.instance_names.insert(text.clone(), name.span) {
-            let message = format!("two instances are named `{text}`");
-            self.findings
-                .push(Finding::error("duplicate-name", name.span, message).label("again").also(first, "first here"));
-            return;
-        }
-        if module.items.len() + group.items.len() > INSTANCE_LIMIT {
-            let message = format!("the scene has more than {INSTANCE_LIMIT} shapes");
-            self.findings.push(Finding::error("step-limit", span, message));
-            return;
-        }
-        for item in group.items.iter() {
-            let mut item = item.clone();
-            item.name = format!("{text}/{}", item.name);
-            item.mesh.transform = item.mesh.transform.then(&group.transform);
-            // Findings about a shape point at the shape; the instance is where the place comes from.
-            module.items.push(item);
-        }
-    }
-
-    #[expect(clippy::too_many_arguments, reason = "the parts of one statement")]
-    fn item(
-        &mut self,
-        module: &mut Module,
-        scope: &mut Scope,
-        kind: Kind,
-        name: Option<&Name>,
-        value: &Expr,
-        with: Option<&Expr>,
-        span: Span,
-    ) {
-        let mesh = self.eval(scope, value, Some(Family::Mesh)).and_then(|found| match found {
-            Value::Mesh(mesh) => Ok(rename_made(mesh, name)),
-            found => {
-                let word = kind.word();
-                self.report(
-                    Finding::error("type-mismatch", value.span, format!("`{word}` takes a mesh, not {}", found.kind()))
-                        .label(found.kind()),
-                )
-            }
-        });
-        let Some(with) = with else {
-            let (what, example) = if kind == Kind::Shape {
-                ("a shape needs `with <material>`", "write for example `... with diffuse(0.5)`")
-            } else {
-                ("an emitter needs `with <radiance>`", "write for example `... with radiance(30)`")
-            };
-            self.findings.push(Finding::error("missing-with", span, what).label("no surface is given").help(example));
-            return;
-        };
-        let family = if kind == Kind::Shape { Family::Material } else { Family::Emission };
-        let surface = self.eval(scope, with, Some(family)).and_then(|found| match (kind, found) {
-            (Kind::Shape, Value::Material(material)) => Ok((Some(material), None)),
-            (Kind::Emitter, Value::Emission(emission)) => Ok((None, Some(emission))),
-            (Kind::Shape, Value::Emission(_)) => self.report(
-                Finding::error("type-mismatch", with.span, "a shape takes a material, not an emission")
-                    .help("write `emitter name = ...`"),
-            ),
-            (_, found) => {
-                let wants =
-                    if kind == Kind::Shape { "a shape takes a material" } else { "an emitter takes an emission" };
-                let finding = Finding::error("type-mismatch", with.span, format!("{wants}, not {}", found.kind()))
-                    .label(found.kind());
-                self.report(if kind == Kind::Emitter {
-                    finding.help("write for example `with radiance(30)`")
-                } else {
-                    finding
-                })
-            }
-        });
-        let (Ok(mesh), Ok((material, emission)), Some(name)) = (mesh, surface, name) else { return };
-        let text = module.item_name(name);
-        if let Some(first) = module.item_names.insert((emission.is_some(), text.clone()), name.span) {
-            self.findings.push(
-                Finding::error("duplicate-name", name.span, format!("two {}s are named `{text}`", kind.word()))
-                    .label("again")
-                    .also(first, "first here"),
-            );
-            return;
-        }
-        module.items.push(Item { name: text, span, mesh, material, emission });
-    }
-
-    fn setting(
-        &mut self,
-        module: &mut Module,
-        scope: &mut Scope,
-        kind: Kind,
-        name: Option<&Name>,
-        value: &Expr,
-        span: Span,
-    ) {
-        let family = match kind {
-            Kind::Camera => Family::Camera,
-            Kind::Film => Family::Film,
-            Kind::Integrator => Family::Integrator,
-            _ => Family::Sampler,
-        };
-        let Ok(found) = self.eval(scope, value, Some(family)) else {
-            module.broken.push(kind);
-            return;
-        };
-        let again = |first: Span| {
-            Finding::error("duplicate-setting", span, format!("there are two {}s", kind.word()))
-                .label("again")
-                .also(first, "first here")
-        };
-        match (kind, found) {
-            (Kind::Camera, Value::Camera(camera)) => {
-                let own = name.map(|name| name.text.clone());
-                let unnamed = own.is_none() || module.cameras.iter().any(|(name, _, _)| name.is_none());
-                if let Some((_, _, first)) = module.cameras.iter().find(|(name, _, _)| unnamed || *name == own) {
-                    self.findings
-                        .push(again(*first).help("several cameras need different names: `camera above = ...`"));
-                    return;
-                }
-                module.cameras.push((own, camera, span));
-            }
-            (Kind::Film, Value::Film(film)) => match module.film {
-                Some((_, first)) => self.findings.push(again(first)),
-                None => module.film = Some((film, span)),
-            },
-            (Kind::Integrator, Value::Integrator(integrator)) => match module.integrator {
-                Some((_, first)) => self.findings.push(again(first)),
-                None => module.integrator = Some((integrator, span)),
-            },
-            (Kind::Sampler, Value::Sampler(sampler)) => match module.sampler {
-                Some((_, first)) => self.findings.push(again(first)),
-                None => module.sampler = Some((sampler, span)),
-            },
-            (kind, found) => {
-                module.broken.push(kind);
-                let _reported: Result<(), Reported> = self.wrong_kind(kind, value.span, &found);
-            }
-        }
-    }
-}
-
-/// A mesh takes the name of its declaration.
-fn rename(mesh: MeshValue, name: Option<&Name>) -> MeshValue {
-    let Some(name) = name else { return mesh };
-    let renamed = crate::ir::Mesh { name: name.text.clone(), ..(*mesh.mesh).clone() };
-    MeshValue { mesh: Rc::new(renamed), ..mesh }
-}
-
-/// A mesh that was made in place takes the name of its shape; a declared one keeps its own.
-fn rename_made(mesh: MeshValue, name: Option<&Name>) -> MeshValue {
-    if mesh.mesh.name.is_empty() { rename(mesh, name) } else { mesh }
 }
 
 /// The value name that a statement declares.

@@ -60,10 +60,10 @@ pub(super) struct MeshValue {
     pub span: Span,
 }
 
-/// The shapes and emitters of a group and where the whole has been moved.
+/// A group and where it has been moved.
 #[derive(Clone, Debug)]
 pub(super) struct GroupValue {
-    pub items: Rc<[super::module::Item]>,
+    pub body: Rc<super::items::GroupBody>,
     pub transform: Affine,
 }
 

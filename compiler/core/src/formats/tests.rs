@@ -92,6 +92,47 @@ fn meshes_are_written_once_under_safe_names() {
 }
 
 #[test]
+fn a_group_is_written_once_and_placed_by_instances() {
+    let count = |text: &str, what: &str| text.matches(what).count();
+    for (target, matrix) in [("mitsuba-3", "to_world"), ("mitsuba-0.6", "toWorld"), ("mitsuba-0.5", "toWorld")] {
+        let xml = text(&emitted(target, sample::grid()), "description.xml");
+        assert_eq!(count(&xml, "<shape type=\"shapegroup\" id=\"pair\">"), 1);
+        assert_eq!((count(&xml, "<shape type=\"instance\""), count(&xml, "<ref id=\"pair\"/>")), (3, 3));
+        assert_eq!((count(&xml, "block.ply"), count(&xml, &format!("<transform name=\"{matrix}\">"))), (2, 4));
+        assert!(xml.contains("<matrix value=\"0 -1 0 0 1 0 0 0 0 0 1 5 0 0 0 1\"/>"), "by rows: {xml}");
+    }
+    for target in ["pbrt-v3", "pbrt-v4"] {
+        let pbrt = text(&emitted(target, sample::grid()), "description.pbrt");
+        assert_eq!((count(&pbrt, "ObjectBegin \"pair\"\n"), count(&pbrt, "ObjectEnd\n")), (1, 1));
+        assert_eq!((count(&pbrt, "ObjectInstance \"pair\"\n"), count(&pbrt, "block.ply")), (3, 2));
+        assert_eq!(count(&pbrt, "AttributeBegin"), count(&pbrt, "AttributeEnd"));
+        let (object, rest) = pbrt.split_once("ObjectEnd").expect("an object");
+        assert!(!object.contains("AreaLightSource") && rest.contains("AreaLightSource"), "{target}");
+        assert_eq!(numbers(&pbrt, "ConcatTransform [", "]")[12..15], [0.0, 0.0, 5.0], "by columns");
+    }
+    // LuxCore has objects only: a use each, which share the mesh.
+    let scn = text(&emitted("luxcore", sample::grid()), "scene.scn");
+    assert_eq!((count(&scn, ".shape = \"block\""), count(&scn, "meshes/block.ply")), (6, 1));
+    let columns = numbers(&scn, "scene.objects.pair_1_left.transformation = ", "\n");
+    assert_eq!((&columns[..4], &columns[12..]), (&[0.0, 1.0, 0.0, 0.0][..], &[0.0, -2.0, 5.0, 1.0][..]));
+    let gltf = text(&emitted("gltf", sample::grid()), "grid.gltf");
+    let gltf: serde_json::Value = serde_json::from_str(&gltf).expect("JSON");
+    let nodes: Vec<&serde_json::Value> = gltf["nodes"]
+        .as_array()
+        .expect("nodes")
+        .iter()
+        .filter(|node| node["name"].as_str().expect("a name").starts_with("pair"))
+        .collect();
+    // A node cannot shear: its group moves its vertices.
+    assert_eq!((&nodes[0]["mesh"], nodes[2]["matrix"].is_null()), (&nodes[1]["mesh"], true));
+    assert_ne!(nodes[2]["mesh"], nodes[0]["mesh"]);
+    for node in nodes {
+        let mesh = &gltf["meshes"][node["mesh"].as_u64().expect("a mesh") as usize];
+        assert_eq!((&mesh["name"], mesh["primitives"].as_array().map(Vec::len)), (&"pair".into(), Some(2)));
+    }
+}
+
+#[test]
 fn the_angle_of_view_in_every_target() {
     // tan(90 / 2) = 1, so the other angles are 2 atan(1/2) and 2 atan(2).
     let (half, twice) = (53.130_102_354_155_98, 126.869_897_645_844_02);

@@ -93,6 +93,11 @@ impl<T> Arena<T> {
         (0u32..).zip(&mut self.items).map(|(index, item)| (Handle { index, kind: PhantomData }, item))
     }
 
+    /// Items with their origins.
+    pub fn entries(&self) -> impl Iterator<Item = (&Origin, &T)> {
+        self.origins.iter().zip(&self.items)
+    }
+
     /// Items without handles.
     pub fn values(&self) -> impl ExactSizeIterator<Item = &T> {
         self.items.iter()

@@ -23,6 +23,7 @@ mod arena;
 mod camera;
 mod color;
 mod doc;
+mod group;
 mod material;
 mod mesh;
 mod settings;
@@ -34,6 +35,7 @@ pub use arena::{Arena, Handle};
 pub use camera::Camera;
 pub use color::Color;
 pub use doc::{Documentation, Similar};
+pub use group::{GROUP_DEPTH, Group, INSTANCE_LIMIT, Instance};
 pub use material::{Bsdf, Material};
 pub use mesh::Mesh;
 pub use settings::{Film, Filter, Integrator, Sampler};
@@ -56,6 +58,10 @@ pub struct Scene {
     pub materials: Arena<Material>,
     /// Surfaces and emitters: a mesh, where it lies, what it is made of.
     pub shapes: Arena<Shape>,
+    /// Shapes to be placed by instances; a group stands behind those that it holds.
+    pub groups: Arena<Group>,
+    /// Groups at their places.
+    pub instances: Arena<Instance>,
     /// At least one after validation; the first is the default.
     pub cameras: Arena<Camera>,
     /// Resolution and reconstruction filter.
@@ -64,4 +70,18 @@ pub struct Scene {
     pub integrator: Integrator,
     /// Default sampling.
     pub sampler: Sampler,
+}
+
+impl Scene {
+    /// All shapes and emitters with their origins: those of the scene, then those of each group once.
+    pub fn surfaces(&self) -> impl Iterator<Item = (&Origin, &Shape)> {
+        let groups = self.groups.values().flat_map(|group| group.shapes.entries());
+        self.shapes.entries().chain(groups)
+    }
+
+    /// The same, to be changed.
+    pub fn surfaces_mut(&mut self) -> impl Iterator<Item = &mut Shape> {
+        let groups = self.groups.iter_mut().flat_map(|(_, group)| group.shapes.iter_mut());
+        self.shapes.iter_mut().chain(groups).map(|(_, shape)| shape)
+    }
 }

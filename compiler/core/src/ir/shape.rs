@@ -5,11 +5,11 @@ use super::{Affine, Color, Handle, Material, Mesh};
 /// A surface of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shape {
-    /// As the author wrote it; need not be a word. Unique among the shapes, and among the emitters.
+    /// As the author wrote it; need not be a word. Unique among the shapes, and among the emitters, of what holds it.
     pub name: String,
     /// The mesh, in its own coordinates.
     pub mesh: Handle<Mesh>,
-    /// From the mesh's coordinates to the scene's; invertible and not mirroring (a mirroring one is baked into the
+    /// From the mesh's coordinates to the scene's, or the group's; invertible and not mirroring (a mirroring one is baked into the
     /// mesh with its winding turned).
     pub transform: Affine,
     /// How it scatters light.

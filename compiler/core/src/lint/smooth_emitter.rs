@@ -19,7 +19,7 @@ pub(super) const RULE: Rule = Rule {
 fn check(scene: &Scene, report: &mut Report) {
     // A mesh is measured once, however many emitters share it.
     let mut known: Vec<Option<Option<f64>>> = vec![None; scene.meshes.len()];
-    for (handle, shape) in scene.shapes.iter() {
+    for (origin, shape) in scene.surfaces() {
         if shape.emission.is_none() {
             continue;
         }
@@ -28,7 +28,7 @@ fn check(scene: &Scene, report: &mut Report) {
         let deviation = *slot.get_or_insert_with(|| largest_normal_deviation(View::from(mesh)));
         if let Some(degrees) = deviation.filter(|degrees| *degrees > TOLERANCE) {
             report.add(
-                scene.shapes.origin(handle),
+                origin,
                 format!(
                     "the emitter `{}` has smooth normals: they lean up to {degrees:.1} degrees from the faces",
                     shape.name

@@ -16,36 +16,38 @@ pub(super) const PASS: Pass =
 
 fn run(mut scene: Scene) -> (Scene, Vec<Finding>) {
     let mut uses = vec![0_usize; scene.meshes.len()];
-    for shape in scene.shapes.values() {
+    for (_, shape) in scene.surfaces() {
         uses[shape.mesh.index()] += 1;
     }
     // First the mirrored uses of shared meshes: what remains may then be a single use.
     let mut copied = 0;
-    for (_, shape) in scene.shapes.iter_mut() {
+    let mut meshes = std::mem::take(&mut scene.meshes);
+    for shape in scene.surfaces_mut() {
         let Shape { name: _, mesh, transform, material: _, emission: _ } = shape;
         if uses[mesh.index()] == 1 || transform.determinant() >= 0.0 {
             continue;
         }
         // What cannot be baked (no inverse, beyond single precision) stays as it is, for validation to report.
-        let Some(baked) = baked(&scene.meshes[*mesh], transform) else { continue };
-        let origin = scene.meshes.origin(*mesh).clone();
+        let Some(baked) = baked(&meshes[*mesh], transform) else { continue };
+        let origin = meshes.origin(*mesh).clone();
         uses[mesh.index()] -= 1;
         uses.push(1);
-        *mesh = scene.meshes.push(baked, origin);
+        *mesh = meshes.push(baked, origin);
         *transform = Affine::IDENTITY;
         copied += 1;
     }
     let mut moved = 0;
-    for (_, shape) in scene.shapes.iter_mut() {
+    for shape in scene.surfaces_mut() {
         let Shape { name: _, mesh, transform, material: _, emission: _ } = shape;
         if uses[mesh.index()] > 1 || *transform == Affine::IDENTITY {
             continue;
         }
-        let Some(baked) = baked(&scene.meshes[*mesh], transform) else { continue };
-        scene.meshes[*mesh] = baked;
+        let Some(baked) = baked(&meshes[*mesh], transform) else { continue };
+        meshes[*mesh] = baked;
         *transform = Affine::IDENTITY;
         moved += 1;
     }
+    scene.meshes = meshes;
     let mut findings = Vec::new();
     let mut say = |message: String| {
         findings.push(Finding::new("loss-baked", Severity::Info, scene.origin.clone(), message));

@@ -13,37 +13,26 @@ use crate::ir::{Arena, Handle, Mesh, Scene, Shape};
 pub(super) const PASS: Pass =
     Pass { name: "merge", summary: "equal meshes become one; unused meshes and materials go", run };
 
-fn run(scene: Scene) -> (Scene, Vec<Finding>) {
-    let Scene {
-        name,
-        origin,
-        documentation,
-        meshes: old_meshes,
-        materials: old_materials,
-        shapes: mut new_shapes,
-        cameras,
-        film,
-        integrator,
-        sampler,
-    } = scene;
+fn run(mut scene: Scene) -> (Scene, Vec<Finding>) {
+    let old_meshes = std::mem::take(&mut scene.meshes);
+    let old_materials = std::mem::take(&mut scene.materials);
     let same = representatives(&old_meshes);
     let mut used_meshes = vec![false; old_meshes.len()];
     let mut used_materials = vec![false; old_materials.len()];
-    for Shape { name: _, mesh, transform: _, material, emission: _ } in new_shapes.values() {
+    for (_, Shape { name: _, mesh, transform: _, material, emission: _ }) in scene.surfaces() {
         used_meshes[same[mesh.index()]] = true;
         used_materials[material.index()] = true;
     }
     let (meshes, mesh_handles) = kept(&old_meshes, &used_meshes);
     let (materials, material_handles) = kept(&old_materials, &used_materials);
-    for (_, Shape { name: _, mesh, transform: _, material, emission: _ }) in new_shapes.iter_mut() {
+    for Shape { name: _, mesh, transform: _, material, emission: _ } in scene.surfaces_mut() {
         if let (Some(new_mesh), Some(new_material)) =
             (mesh_handles[same[mesh.index()]], material_handles[material.index()])
         {
             (*mesh, *material) = (new_mesh, new_material);
         }
     }
-    let shapes = new_shapes;
-    let scene = Scene { name, origin, documentation, meshes, materials, shapes, cameras, film, integrator, sampler };
+    (scene.meshes, scene.materials) = (meshes, materials);
     (scene, Vec::new())
 }
 

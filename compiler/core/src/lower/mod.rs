@@ -4,11 +4,12 @@
 //! fronts, materials and emissions stay as they are. A scene that is not valid passes through unharmed.
 
 mod bake;
+mod instances;
 mod merge;
 mod normals;
 
 use crate::diag::Finding;
-use crate::ir::Scene;
+use crate::ir::{Group, Handle, Scene};
 
 /// A step of [`lower`].
 #[derive(Clone, Copy, Debug)]
@@ -21,16 +22,14 @@ pub struct Pass {
     pub run: fn(Scene) -> (Scene, Vec<Finding>),
 }
 
-/// All passes in their order: normals first, because baking moves them; merging last, because it sees what is equal then.
-pub static PASSES: &[Pass] = &[normals::PASS, bake::PASS, merge::PASS];
+/// All passes in their order: normals first, because baking moves them; instances before baking, because they say how often
+/// a mesh is used; merging last, because it sees what is equal then.
+pub static PASSES: &[Pass] = &[normals::PASS, instances::PASS, bake::PASS, merge::PASS];
 
 /// Runs all passes in their order; what they changed comes back as findings.
 pub fn lower(scene: Scene) -> (Scene, Vec<Finding>) {
     // Passes follow handles. A broken one is for validation to report.
-    let sound = |shape: &crate::ir::Shape| {
-        shape.mesh.index() < scene.meshes.len() && shape.material.index() < scene.materials.len()
-    };
-    if !scene.shapes.values().all(sound) {
+    if !is_sound(&scene) {
         return (scene, Vec::new());
     }
     let mut findings = Vec::new();
@@ -40,6 +39,19 @@ pub fn lower(scene: Scene) -> (Scene, Vec<Finding>) {
         scene
     });
     (scene, findings)
+}
+
+/// Whether all handles point into their arenas, and groups only to those before them.
+fn is_sound(scene: &Scene) -> bool {
+    let shapes = scene
+        .surfaces()
+        .all(|(_, shape)| shape.mesh.index() < scene.meshes.len() && shape.material.index() < scene.materials.len());
+    let count = scene.groups.len();
+    let outer = scene.instances.values().all(|instance| instance.group.index() < count);
+    let inner = |(handle, group): (Handle<Group>, &Group)| {
+        group.instances.values().all(|instance| instance.group.index() < handle.index())
+    };
+    shapes && outer && scene.groups.iter().all(inner)
 }
 
 #[cfg(test)]

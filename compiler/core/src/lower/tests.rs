@@ -15,6 +15,8 @@ fn scene() -> Scene {
         meshes: Arena::default(),
         materials: Arena::default(),
         shapes: Arena::default(),
+        groups: Arena::default(),
+        instances: Arena::default(),
         cameras: Arena::default(),
         film: Film { width: 1, height: 1, filter: Filter::Box { radius: 0.5 } },
         integrator: Integrator::Path { max_depth: 1 },
@@ -189,7 +191,147 @@ fn broken_scenes_pass_through() {
     assert_eq!(lower(indices.clone()), (indices, vec![]));
 }
 
+/// What is seen of each shape by its name, with the instances multiplied out.
+fn multiplied(scene: &Scene) -> std::collections::BTreeMap<String, (Shape, Vec<[[f64; 6]; 3]>)> {
+    fn add(scene: &Scene, group: &Group, path: &str, outer: &Affine, all: &mut Vec<Shape>) {
+        for shape in group.shapes.values() {
+            let name = format!("{path}/{}", shape.name);
+            all.push(Shape { name, transform: shape.transform.then(outer), ..shape.clone() });
+        }
+        for Instance { name, group, transform } in group.instances.values() {
+            add(scene, &scene.groups[*group], &format!("{path}/{name}"), &transform.then(outer), all);
+        }
+    }
+    let mut all: Vec<Shape> = scene.shapes.values().cloned().collect();
+    for Instance { name, group, transform } in scene.instances.values() {
+        add(scene, &scene.groups[*group], name, transform, &mut all);
+    }
+    let mut flat = Scene { shapes: Arena::default(), groups: Arena::default(), ..scene.clone() };
+    all.iter().for_each(|shape| drop(flat.shapes.push(shape.clone(), Origin::Made)));
+    all.into_iter().zip(seen(&flat)).map(|(shape, seen)| (shape.name.clone(), (shape, seen))).collect()
+}
+
+/// A transform from small numbers; negative ones mirror.
+fn transform([sx, sy, sz, ax, ay, degrees, tx, ty, tz]: [i8; 9]) -> Affine {
+    let scale = [sx, sy, sz].map(|s| if s == 0 { 1.0 } else { f64::from(s) / 32.0 });
+    let axis = normalized([f64::from(ax), f64::from(ay), 1.0]).expect("not zero");
+    Affine::scaling(scale)
+        .then(&Affine::rotation(axis, f64::from(degrees)))
+        .then(&Affine::translation([tx, ty, tz].map(f64::from)))
+}
+
+fn group(scene: &mut Scene, name: &str, shapes: Vec<Shape>, inner: &[(Handle<Group>, Affine)]) -> Handle<Group> {
+    let mut group = Group { name: name.to_owned(), ..Group::default() };
+    shapes.into_iter().for_each(|shape| drop(group.shapes.push(shape, Origin::Made)));
+    for (at, (handle, transform)) in inner.iter().enumerate() {
+        let instance = Instance { name: format!("inner {at}"), group: *handle, transform: *transform };
+        group.instances.push(instance, Origin::Made);
+    }
+    scene.groups.push(group, Origin::Made)
+}
+
+/// A group of a cube and an emitting one, and an instance of it for each transform.
+fn lanterns(transforms: &[Affine]) -> Scene {
+    let mut scene = scene();
+    let mesh = scene.meshes.push(cube().into_mesh("cube"), Origin::Made);
+    let white = material(&mut scene, "white");
+    let emission = Some(Emission { radiance: Color::Grey(2.0) });
+    let shape = |name: &str, emission| {
+        let transform = Affine::translation([0.0, 0.0, 5.0]);
+        Shape { name: name.to_owned(), mesh, transform, material: white, emission }
+    };
+    let lantern = group(&mut scene, "lantern", vec![shape("glass", None), shape("lamp", emission)], &[]);
+    for (at, transform) in transforms.iter().enumerate() {
+        let instance = Instance { name: format!("lantern[{at}]"), group: lantern, transform: *transform };
+        scene.instances.push(instance, Origin::Made);
+    }
+    scene
+}
+
+#[test]
+fn a_group_seen_once_becomes_shapes() {
+    let before = lanterns(&[turned()]);
+    let (after, _) = lower(before.clone());
+    assert!(after.groups.is_empty() && after.instances.is_empty());
+    let names: Vec<_> = after.shapes.values().map(|shape| shape.name.as_str()).collect();
+    assert_eq!(names, ["lantern[0]/glass", "lantern[0]/lamp"]);
+}
+
+#[test]
+fn emitters_leave_groups_and_mirrors_get_their_own() {
+    let mirror = Affine::scaling([1.0, -1.0, 1.0]);
+    let before = lanterns(&[turned(), mirror, Affine::IDENTITY, mirror.then(&turned())]);
+    let (after, findings) = lower(before.clone());
+    let names: Vec<_> = after.groups.values().map(|group| group.name.as_str()).collect();
+    assert_eq!(names, ["lantern", "lantern mirrored"]);
+    assert_eq!((after.instances.len(), after.shapes.len()), (4, 4));
+    assert!(after.shapes.values().all(|shape| shape.emission.is_some()));
+    assert!(after.instances.values().all(|instance| instance.transform.determinant() > 0.0));
+    let told: Vec<&str> = findings.iter().map(|finding| finding.message.as_str()).collect();
+    assert!(told[0].starts_with("4 emitters") && told[1].starts_with("2 mirroring"), "{told:?}");
+}
+
+#[test]
+fn too_many_instances_and_broken_groups_pass_through() {
+    let mut scene = lanterns(&[turned(), turned()]);
+    for _ in 0..8 {
+        let last = scene.groups.iter().last().expect("a group").0;
+        group(&mut scene, "ten", Vec::new(), &[(last, Affine::IDENTITY); 10]);
+    }
+    let last = scene.groups.iter().last().expect("a group").0;
+    scene.instances.push(Instance { name: "all".to_owned(), group: last, transform: Affine::IDENTITY }, Origin::Made);
+    assert_eq!(lower(scene.clone()), (scene.clone(), vec![]));
+    // A group that holds itself.
+    let mut circle = lanterns(&[turned(), turned()]);
+    let first = circle.groups.iter().next().expect("a group").0;
+    let inner = Instance { name: "again".to_owned(), group: first, transform: Affine::IDENTITY };
+    circle.groups[first].instances.push(inner, Origin::Made);
+    assert_eq!(lower(circle.clone()), (circle, vec![]));
+}
+
 proptest! {
+    #[test]
+    fn any_groups_look_the_same(
+        shapes in prop::collection::vec((0_usize..4, any::<[i8; 9]>(), any::<bool>()), 4..8),
+        inner in prop::collection::vec((0_usize..4, 0_usize..4, any::<[i8; 9]>()), 0..5),
+        outer in prop::collection::vec((0_usize..4, any::<[i8; 9]>()), 1..5),
+    ) {
+        let mut before = scene();
+        let mesh = before.meshes.push(cube().into_mesh("cube"), Origin::Made);
+        let white = material(&mut before, "white");
+        for at in 0..4 {
+            let mut own = Vec::new();
+            for (n, (_, map, emits)) in shapes.iter().enumerate().filter(|(_, (group, _, _))| *group == at) {
+                let emission = emits.then_some(Emission { radiance: Color::Grey(1.0) });
+                own.push(Shape { name: format!("s{n}"), mesh, transform: transform(*map), material: white, emission });
+            }
+            let handles: Vec<_> = before.groups.iter().map(|(handle, _)| handle).collect();
+            let held = inner.iter().filter(|(holder, held, _)| *holder == at && *held < at);
+            let held: Vec<_> = held.map(|(_, held, map)| (handles[*held], transform(*map))).collect();
+            group(&mut before, "g", own, &held);
+        }
+        let handles: Vec<_> = before.groups.iter().map(|(handle, _)| handle).collect();
+        for (n, (at, map)) in outer.iter().enumerate() {
+            let instance = Instance { name: format!("i{n}"), group: handles[*at], transform: transform(*map) };
+            before.instances.push(instance, Origin::Made);
+        }
+        let (after, _) = lower(before.clone());
+        let (expected, found) = (multiplied(&before), multiplied(&after));
+        prop_assert_eq!(expected.keys().collect::<Vec<_>>(), found.keys().collect::<Vec<_>>());
+        for (name, (shape, triangles)) in &expected {
+            let (other, others) = &found[name];
+            prop_assert_eq!(&shape.emission, &other.emission);
+            for (a, b) in triangles.as_flattened().as_flattened().iter().zip(others.as_flattened().as_flattened()) {
+                prop_assert!((a - b).abs() <= 1e-4 * (1.0 + a.abs()), "{}: {} {}", name, a, b);
+            }
+        }
+        for group in after.groups.values() {
+            prop_assert!(group.instances.is_empty() && group.shapes.values().all(|shape| shape.emission.is_none()));
+        }
+        prop_assert!(after.instances.values().all(|instance| instance.transform.determinant() > 0.0));
+        prop_assert_eq!(lower(after.clone()).0, after);
+    }
+
     #[test]
     fn any_scene_looks_the_same(uses in prop::collection::vec((0_usize..3, any::<[i8; 9]>()), 1..12)) {
         let mut before = scene();
@@ -198,13 +340,8 @@ proptest! {
             let hi = f64::from(i32::min(size, 2));
             before.meshes.push(boxed([0.0; 3], [hi; 3]).expect("a good box").into_mesh("m"), Origin::Made)
         }).collect();
-        for (mesh, [sx, sy, sz, ax, ay, degrees, tx, ty, tz]) in uses {
-            let scale = [sx, sy, sz].map(|s| if s == 0 { 1.0 } else { f64::from(s) / 32.0 });
-            let axis = normalized([f64::from(ax), f64::from(ay), 1.0]).expect("not zero");
-            let map = Affine::scaling(scale)
-                .then(&Affine::rotation(axis, f64::from(degrees)))
-                .then(&Affine::translation([tx, ty, tz].map(f64::from)));
-            place(&mut before, meshes[mesh], map);
+        for (mesh, map) in uses {
+            place(&mut before, meshes[mesh], transform(map));
         }
         let (after, _) = lower(before.clone());
         assert_same_picture(&before, &after);

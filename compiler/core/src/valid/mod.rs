@@ -1,10 +1,12 @@
 //! What every emitter may rely on.
 //!
-//! A [`Valid`] scene has at least one shape and one camera, a name, and handles that point into its arenas. Its meshes have
-//! triangles, indices in range, finite numbers and unit normals where they have any. Its materials, cameras and
+//! A [`Valid`] scene has at least one shape or instance and one camera, a name, and handles that point into its arenas. Its meshes have
+//! triangles, indices in range, finite numbers and unit normals where they have any. Its groups hold shapes only, none of which
+//! emits. Its materials, cameras and
 //! settings lie in the ranges that [`crate::ir`] documents. One file per entity; each function adds all it finds.
 
 mod camera;
+mod group;
 mod material;
 mod mesh;
 mod names;
@@ -15,6 +17,8 @@ use std::ops::Deref;
 
 use crate::diag::Finding;
 use crate::ir::Scene;
+use crate::mesh::bounds;
+use mesh::is_readable;
 
 /// The largest number that is written. Renderers compute in single precision, which ends at 3.4e38: this leaves room for
 /// sums and small products.
@@ -54,7 +58,11 @@ pub fn validate(scene: Scene) -> Result<Valid, Vec<Finding>> {
     names::check(&scene, &mut findings);
     mesh::check(&scene, &mut findings);
     material::check(&scene, &mut findings);
-    shape::check(&scene, &mut findings);
+    // The bounds of each mesh, computed once; none for a mesh that has a finding of its own.
+    let bounds: Vec<_> =
+        scene.meshes.values().map(|mesh| if is_readable(mesh) { bounds(mesh.into()) } else { None }).collect();
+    shape::check(&scene, &bounds, &mut findings);
+    group::check(&scene, &bounds, &mut findings);
     camera::check(&scene, &mut findings);
     settings::check(&scene, &mut findings);
     if findings.is_empty() { Ok(Valid(scene)) } else { Err(findings) }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::diag::{Finding, Origin};
-use crate::ir::Scene;
+use crate::ir::{Arena, Scene, Shape};
 
 pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
     printable("scene", &scene.name, &scene.origin, findings);
@@ -13,14 +13,15 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
     for (handle, mesh) in scene.meshes.iter() {
         printable("mesh", &mesh.name, scene.meshes.origin(handle), findings);
     }
-    // Shapes and emitters have a space of names each.
-    let mut taken = [BTreeMap::new(), BTreeMap::new()];
-    for (handle, shape) in scene.shapes.iter() {
-        let emits = shape.emission.is_some();
-        let kind = if emits { "emitter" } else { "shape" };
-        let origin = scene.shapes.origin(handle);
-        printable(kind, &shape.name, origin, findings);
-        unique(kind, &shape.name, origin, &mut taken[usize::from(emits)], findings);
+    surfaces(&scene.shapes, findings);
+    for (origin, group) in scene.groups.entries() {
+        printable("group", &group.name, origin, findings);
+        surfaces(&group.shapes, findings);
+    }
+    let mut instances = BTreeMap::new();
+    for (origin, instance) in scene.instances.entries() {
+        printable("instance", &instance.name, origin, findings);
+        unique("instance", &instance.name, origin, &mut instances, findings);
     }
     let mut cameras = BTreeMap::new();
     for (handle, camera) in scene.cameras.iter() {
@@ -36,6 +37,17 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
             ),
             None => {}
         }
+    }
+}
+
+/// Shapes and emitters have a space of names each.
+fn surfaces(shapes: &Arena<Shape>, findings: &mut Vec<Finding>) {
+    let mut taken = [BTreeMap::new(), BTreeMap::new()];
+    for (origin, shape) in shapes.entries() {
+        let emits = shape.emission.is_some();
+        let kind = if emits { "emitter" } else { "shape" };
+        printable(kind, &shape.name, origin, findings);
+        unique(kind, &shape.name, origin, &mut taken[usize::from(emits)], findings);
     }
 }
 

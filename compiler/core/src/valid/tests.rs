@@ -38,6 +38,8 @@ fn good() -> Scene {
         meshes,
         materials,
         shapes,
+        groups: Arena::default(),
+        instances: Arena::default(),
         cameras,
         film: Film { width: 512, height: 512, filter: Filter::Box { radius: 0.5 } },
         integrator: Integrator::Path { max_depth: 10 },

@@ -166,8 +166,8 @@ fn moved(args: &Args, map: &Affine) -> Result<Value, Problem> {
         Err(Problem::new(None, "it leaves the range of numbers"))
     };
     match args.get("of") {
-        Some(Value::Group(GroupValue { items, transform })) => {
-            Ok(Value::Group(GroupValue { items: Rc::clone(items), transform: further(transform)? }))
+        Some(Value::Group(GroupValue { body, transform })) => {
+            Ok(Value::Group(GroupValue { body: Rc::clone(body), transform: further(transform)? }))
         }
         _ => {
             let MeshValue { mesh, transform, span } = of(args)?;

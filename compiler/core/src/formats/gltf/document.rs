@@ -114,7 +114,7 @@ pub struct Perspective {
 #[derive(Serialize)]
 pub struct Mesh {
     pub name: String,
-    pub primitives: [Primitive; 1],
+    pub primitives: Vec<Primitive>,
 }
 
 #[derive(Serialize)]

@@ -12,7 +12,8 @@ use crate::formats::shared::camera;
 use crate::formats::shared::names::file_stem;
 use crate::formats::shared::text::{self, Head};
 use crate::ir::{
-    Affine, Bsdf, Camera, Emission as Light, Film, Filter, Integrator, Material, Mesh, Sampler, Scene, Shape,
+    Affine, Bsdf, Camera, Emission as Light, Film, Filter, Group, Handle, Instance, Integrator, Material, Mesh,
+    Sampler, Scene, Shape,
 };
 
 /// Writes all files of the target.
@@ -41,9 +42,12 @@ fn document(scene: &Scene, camera: &Camera, stem: &str) -> (doc::Document, Layou
     for shape in scene.shapes.values() {
         nodes.push(made.node(scene, shape));
     }
+    for instance in scene.instances.values() {
+        nodes.push(made.instance(scene, instance));
+    }
     nodes[0].children = (1..nodes.len()).collect();
 
-    let Made { layout, meshes, materials, places: _, known_materials: _, known_meshes: _ } = made;
+    let Made { layout, meshes, materials, places: _, known_materials: _, known_meshes: _, known_groups: _ } = made;
     let extensions: BTreeSet<_> = materials.iter().flat_map(|material| material.extensions.names()).collect();
     let buffers = if layout.bytes == 0 {
         Vec::new()
@@ -84,6 +88,7 @@ struct Made {
     known_materials: BTreeMap<Surface, usize>,
     meshes: Vec<doc::Mesh>,
     known_meshes: BTreeMap<(usize, usize), usize>,
+    known_groups: BTreeMap<usize, usize>,
 }
 
 impl Made {
@@ -91,46 +96,70 @@ impl Made {
         let Shape { name, mesh: handle, transform, material, emission } = shape;
         let mut node = doc::Node { name: name.clone(), ..doc::Node::default() };
         let mesh = &scene.meshes[*handle];
-        // An accessor holds at least one item.
-        if mesh.positions.is_empty() || mesh.triangles.is_empty() {
-            return node;
-        }
         let material = self.material(scene, shape, (material.index(), bits(emission.as_ref())));
         // A node's matrix must be translation, rotation and scale (glTF 2.0, 3.5.2); other maps move the vertices.
         if camera::has_orthogonal_columns(transform) {
             let known = self.known_meshes.get(&(handle.index(), material)).copied();
             node.mesh = Some(known.unwrap_or_else(|| {
-                let place = match self.places.get(&handle.index()) {
-                    Some(place) => *place,
-                    None => {
-                        let place = self.layout.add(scene, Part { mesh: *handle, map: None });
-                        self.places.insert(handle.index(), place);
-                        place
-                    }
-                };
-                let made = self.mesh(mesh, place, material);
+                let primitive = self.primitive(scene, *handle, &Affine::IDENTITY, material);
+                let made = self.mesh(&mesh.name, vec![primitive]);
                 self.known_meshes.insert((handle.index(), material), made);
                 made
             }));
-            let Affine { rows } = transform;
-            let offset = rows.map(|row| row[3] + 0.0);
-            if *transform == Affine::translation(offset) {
-                node.translation = (offset != [0.0; 3]).then_some(offset);
-            } else {
-                node.matrix = Some(names::matrix(transform));
-            }
+            place(&mut node, transform);
         } else {
-            let part = Part { mesh: *handle, map: Some(*transform) };
-            let place = self.layout.add(scene, part);
-            node.mesh = Some(self.mesh(mesh, place, material));
+            let primitive = self.primitive(scene, *handle, transform, material);
+            node.mesh = Some(self.mesh(&mesh.name, vec![primitive]));
         }
         node
     }
 
-    fn mesh(&mut self, mesh: &Mesh, place: Place, material: usize) -> usize {
-        let Place { attributes, indices } = place;
-        let primitives = [doc::Primitive { attributes, indices, material }];
-        self.meshes.push(doc::Mesh { name: mesh.name.clone(), primitives });
+    /// A group is a mesh with a primitive for each shape: a node of its own for each would have to be repeated in every
+    /// instance, because a node has one parent.
+    fn instance(&mut self, scene: &Scene, instance: &Instance) -> doc::Node {
+        let Instance { name, group, transform } = instance;
+        let mut node = doc::Node { name: name.clone(), ..doc::Node::default() };
+        if camera::has_orthogonal_columns(transform) {
+            let known = self.known_groups.get(&group.index()).copied();
+            node.mesh = Some(known.unwrap_or_else(|| {
+                let made = self.group(scene, *group, &Affine::IDENTITY);
+                self.known_groups.insert(group.index(), made);
+                made
+            }));
+            place(&mut node, transform);
+        } else {
+            node.mesh = Some(self.group(scene, *group, transform));
+        }
+        node
+    }
+
+    fn group(&mut self, scene: &Scene, handle: Handle<Group>, outer: &Affine) -> usize {
+        let Group { name, shapes, instances: _ } = &scene.groups[handle];
+        let mut primitives = Vec::new();
+        for shape in shapes.values() {
+            let Shape { name: _, mesh, transform, material, emission } = shape;
+            let material = self.material(scene, shape, (material.index(), bits(emission.as_ref())));
+            primitives.push(self.primitive(scene, *mesh, &transform.then(outer), material));
+        }
+        self.mesh(name, primitives)
+    }
+
+    /// A mesh whose vertices are moved; those that are not moved are written once.
+    fn primitive(&mut self, scene: &Scene, mesh: Handle<Mesh>, map: &Affine, material: usize) -> doc::Primitive {
+        let moved = *map != Affine::IDENTITY;
+        let known = if moved { None } else { self.places.get(&mesh.index()).copied() };
+        let Place { attributes, indices } = known.unwrap_or_else(|| {
+            let place = self.layout.add(scene, Part { mesh, map: moved.then_some(*map) });
+            if !moved {
+                self.places.insert(mesh.index(), place);
+            }
+            place
+        });
+        doc::Primitive { attributes, indices, material }
+    }
+
+    fn mesh(&mut self, name: &str, primitives: Vec<doc::Primitive>) -> usize {
+        self.meshes.push(doc::Mesh { name: name.to_owned(), primitives });
         self.meshes.len() - 1
     }
 
@@ -145,6 +174,17 @@ impl Made {
         let index = self.materials.len() - 1;
         self.known_materials.insert(surface, index);
         index
+    }
+}
+
+/// Gives a node its place.
+fn place(node: &mut doc::Node, transform: &Affine) {
+    let Affine { rows } = transform;
+    let offset = rows.map(|row| row[3] + 0.0);
+    if *transform == Affine::translation(offset) {
+        node.translation = (offset != [0.0; 3]).then_some(offset);
+    } else {
+        node.matrix = Some(names::matrix(transform));
     }
 }
 

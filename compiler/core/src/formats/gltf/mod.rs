@@ -44,6 +44,7 @@ fn supports(feature: Feature) -> Support {
         | Feature::TextureCoordinates
         | Feature::TransformedShape
         | Feature::SharedMesh
+        | Feature::Instances
         | Feature::Camera
         | Feature::ClippingPlanes => Exact,
         Feature::SmoothConductor | Feature::RoughConductor | Feature::SharpConductor | Feature::ColouredConductor => {

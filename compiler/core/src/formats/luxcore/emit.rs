@@ -11,7 +11,7 @@ use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Line, Quoted};
 use crate::formats::{self, Emission};
 use crate::ir::{
-    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Integrator, Material, Sampler, Scene, Shape,
+    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Instance, Integrator, Material, Sampler, Scene, Shape,
 };
 
 /// Writes all files of the target.
@@ -124,7 +124,7 @@ fn description(scene: &Scene, meshes: &str, out: &mut dyn Write) -> io::Result<(
     let stems = files.iter().map(|file| file.strip_suffix(".ply").unwrap_or(file));
     let shapes = words.assign(stems);
     let mut used = vec![false; scene.meshes.len()];
-    scene.shapes.values().for_each(|shape| used[shape.mesh.index()] = true);
+    scene.surfaces().for_each(|(_, shape)| used[shape.mesh.index()] = true);
     for ((id, file), used) in shapes.iter().zip(&files).zip(used) {
         if used {
             set(out, &format!("scene.shapes.{id}.type"), "\"mesh\"")?;
@@ -133,10 +133,21 @@ fn description(scene: &Scene, meshes: &str, out: &mut dyn Write) -> io::Result<(
         }
     }
     writeln!(out)?;
-    let objects = Words::default().assign(scene.shapes.values().map(|shape| shape.name.as_str()));
-    for (item, id) in scene.shapes.values().zip(&objects) {
-        let Shape { name, mesh, transform, material, emission } = item;
-        comment(name, id, out)?;
+    // LuxCore has no groups: each use of a shape is an object, and the meshes are shared.
+    let own = scene.shapes.values().map(|shape| (shape.name.clone(), shape, shape.transform));
+    let placed_by = |instance: &Instance| {
+        let Instance { name, group, transform } = instance.clone();
+        let shapes = scene.groups[group].shapes.values();
+        shapes.map(move |shape| (format!("{name}/{}", shape.name), shape, shape.transform.then(&transform)))
+    };
+    let uses: Vec<(String, &Shape, Affine)> = own.chain(scene.instances.values().flat_map(placed_by)).collect();
+    let objects = Words::default().assign(uses.iter().map(|(name, _, _)| name.as_str()));
+    for ((name, shape, transform), id) in uses.iter().zip(&objects) {
+        let Shape { name: _, mesh, transform: _, material, emission } = shape;
+        // Names of instances differ from their ids only in their brackets.
+        if !name.contains('[') {
+            comment(name, id, out)?;
+        }
         let base = &materials[material.index()];
         let used = variants.get(&surface(material.index(), emission.as_ref())).unwrap_or(base);
         set(out, &format!("scene.objects.{id}.shape"), &format!("\"{}\"", shapes[mesh.index()]))?;

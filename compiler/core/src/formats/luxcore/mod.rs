@@ -37,6 +37,7 @@ fn supports(feature: Feature) -> Support {
         | Feature::TextureCoordinates
         | Feature::TransformedShape
         | Feature::SharedMesh
+        | Feature::Instances
         | Feature::Camera
         | Feature::ClippingPlanes
         | Feature::Resolution

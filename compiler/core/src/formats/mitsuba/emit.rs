@@ -10,7 +10,8 @@ use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Xml, XmlComment};
 use crate::formats::{self, Emission};
 use crate::ir::{
-    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Integrator, Material, Mesh, Sampler, Scene, Shape,
+    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Group, Instance, Integrator, Material, Mesh, Sampler,
+    Scene, Shape,
 };
 
 /// Writes all files of the target.
@@ -123,38 +124,85 @@ fn film(names: &Names, film: &Film, out: &mut dyn Write) -> io::Result<()> {
 
 fn description(version: Version, scene: &Scene, meshes: &str, out: &mut dyn Write) -> io::Result<()> {
     let names = version.names();
-    // Materials and shapes share one space of ids.
+    // Everything shares one space of ids. Shapes within a group need none: nothing refers to them.
     let mut words = Words::default();
     let materials = words.assign(scene.materials.values().map(|material| material.name.as_str()));
+    let groups = words.assign(scene.groups.values().map(|group| group.name.as_str()));
     let shapes = words.assign(scene.shapes.values().map(|shape| shape.name.as_str()));
-    let files = formats::mesh_files(scene);
+    let instances = words.assign(scene.instances.values().map(|instance| instance.name.as_str()));
     for (item, id) in scene.materials.values().zip(&materials) {
         let Material { name, bsdf } = item;
         comment(name, id, out)?;
         material(names, bsdf, id, out)?;
     }
     writeln!(out)?;
-    for (item, id) in scene.shapes.values().zip(&shapes) {
-        let Shape { name, mesh, transform, material, emission } = item;
+    let surfaces = Surfaces { names, scene, materials, files: formats::mesh_files(scene), folder: meshes };
+    for (group, id) in scene.groups.values().zip(&groups) {
+        let Group { name, shapes, instances: _ } = group;
         comment(name, id, out)?;
-        writeln!(out, "\t<shape type=\"ply\" id=\"{id}\">")?;
-        let file = format!("{meshes}{}", files[mesh.index()]);
-        string(out, 2, "filename", &file)?;
-        let Mesh { name: _, positions: _, normals, uvs: _, triangles: _ } = &scene.meshes[*mesh];
-        if normals.is_none() {
-            // Without this Mitsuba makes smooth normals for a file that has none.
-            writeln!(out, "\t\t<boolean name=\"{}\" value=\"true\"/>", names.face_normals)?;
-        }
-        placed(names, transform, out)?;
-        writeln!(out, "\t\t<ref id=\"{}\"/>", materials[material.index()])?;
-        if let Some(Light { radiance }) = emission {
-            writeln!(out, "\t\t<emitter type=\"area\">")?;
-            rgb(out, 3, "radiance", radiance)?;
-            writeln!(out, "\t\t</emitter>")?;
+        writeln!(out, "\t<shape type=\"shapegroup\" id=\"{id}\">")?;
+        for shape in shapes.values() {
+            writeln!(out, "\t\t{}", XmlComment(&shape.name))?;
+            surfaces.write(shape, None, 2, out)?;
         }
         writeln!(out, "\t</shape>")?;
     }
+    for (shape, id) in scene.shapes.values().zip(&shapes) {
+        comment(&shape.name, id, out)?;
+        surfaces.write(shape, Some(id), 1, out)?;
+    }
+    for (instance, id) in scene.instances.values().zip(&instances) {
+        // The id says enough: thousands of comments would only make the file larger.
+        let Instance { name: _, group, transform } = instance;
+        writeln!(out, "\t<shape type=\"instance\" id=\"{id}\">")?;
+        writeln!(out, "\t\t<ref id=\"{}\"/>", groups[group.index()])?;
+        placed(names, transform, 2, out)?;
+        writeln!(out, "\t</shape>")?;
+    }
     Ok(())
+}
+
+/// What every shape needs to know of the scene.
+struct Surfaces<'a> {
+    names: &'a Names,
+    scene: &'a Scene,
+    /// The ids of the materials.
+    materials: Vec<String>,
+    /// The names of the mesh files.
+    files: Vec<String>,
+    /// Where these lie, with a final `/`.
+    folder: &'a str,
+}
+
+impl Surfaces<'_> {
+    fn write(&self, shape: &Shape, id: Option<&str>, depth: usize, out: &mut dyn Write) -> io::Result<()> {
+        let Self { names, scene, materials, files, folder } = self;
+        let Shape { name: _, mesh, transform, material, emission } = shape;
+        indent(out, depth)?;
+        match id {
+            Some(id) => writeln!(out, "<shape type=\"ply\" id=\"{id}\">")?,
+            None => writeln!(out, "<shape type=\"ply\">")?,
+        }
+        string(out, depth + 1, "filename", &format!("{folder}{}", files[mesh.index()]))?;
+        let Mesh { name: _, positions: _, normals, uvs: _, triangles: _ } = &scene.meshes[*mesh];
+        if normals.is_none() {
+            // Without this Mitsuba makes smooth normals for a file that has none.
+            indent(out, depth + 1)?;
+            writeln!(out, "<boolean name=\"{}\" value=\"true\"/>", names.face_normals)?;
+        }
+        placed(names, transform, depth + 1, out)?;
+        indent(out, depth + 1)?;
+        writeln!(out, "<ref id=\"{}\"/>", materials[material.index()])?;
+        if let Some(Light { radiance }) = emission {
+            indent(out, depth + 1)?;
+            writeln!(out, "<emitter type=\"area\">")?;
+            rgb(out, depth + 2, "radiance", radiance)?;
+            indent(out, depth + 1)?;
+            writeln!(out, "</emitter>")?;
+        }
+        indent(out, depth)?;
+        writeln!(out, "</shape>")
+    }
 }
 
 fn material(names: &Names, bsdf: &Bsdf, id: &str, out: &mut dyn Write) -> io::Result<()> {
@@ -212,21 +260,24 @@ fn close_twosided(out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "\t\t</bsdf>\n\t</bsdf>")
 }
 
-/// The transform of a shape, by rows as Mitsuba writes matrices.
-fn placed(names: &Names, transform: &Affine, out: &mut dyn Write) -> io::Result<()> {
+/// The transform of a shape or instance, by rows as Mitsuba writes matrices.
+fn placed(names: &Names, transform: &Affine, depth: usize, out: &mut dyn Write) -> io::Result<()> {
     if *transform == Affine::IDENTITY {
         return Ok(());
     }
     let Affine { rows } = transform;
     let [x, y, z] = rows.map(|row| row[3]);
-    writeln!(out, "\t\t<transform name=\"{}\">", names.to_world)?;
+    indent(out, depth)?;
+    writeln!(out, "<transform name=\"{}\">", names.to_world)?;
+    indent(out, depth + 1)?;
     if *transform == Affine::translation([x, y, z]) {
-        writeln!(out, "\t\t\t<translate x=\"{}\" y=\"{}\" z=\"{}\"/>", Num(x), Num(y), Num(z))?;
+        writeln!(out, "<translate x=\"{}\" y=\"{}\" z=\"{}\"/>", Num(x), Num(y), Num(z))?;
     } else {
         let all = Row(rows.as_flattened(), " ");
-        writeln!(out, "\t\t\t<matrix value=\"{all} 0 0 0 1\"/>")?;
+        writeln!(out, "<matrix value=\"{all} 0 0 0 1\"/>")?;
     }
-    writeln!(out, "\t\t</transform>")
+    indent(out, depth)?;
+    writeln!(out, "</transform>")
 }
 
 fn comment(name: &str, id: &str, out: &mut dyn Write) -> io::Result<()> {

@@ -64,6 +64,7 @@ fn supports(version: Version, feature: Feature) -> Support {
         | Feature::TextureCoordinates
         | Feature::TransformedShape
         | Feature::SharedMesh
+        | Feature::Instances
         | Feature::Camera
         | Feature::ClippingPlanes
         | Feature::Resolution

@@ -12,7 +12,8 @@ use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Line, Quoted};
 use crate::formats::{self, Emission};
 use crate::ir::{
-    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Integrator, Material, Sampler, Scene, Shape,
+    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Group, Instance, Integrator, Material, Sampler,
+    Scene, Shape,
 };
 
 /// Writes all files of the target.
@@ -103,8 +104,8 @@ fn description(version: Version, scene: &Scene, meshes: &str, out: &mut dyn Writ
         }
         material(version, bsdf, id, out)?;
     }
-    for item in scene.shapes.values() {
-        let Shape { name, mesh, transform, material, emission } = item;
+    let surface = |shape: &Shape, out: &mut dyn Write| {
+        let Shape { name, mesh, transform, material, emission } = shape;
         let file = format!("{meshes}{}", files[mesh.index()]);
         writeln!(out, "\n# {}\nAttributeBegin", Line(name))?;
         placed(transform, out)?;
@@ -113,6 +114,24 @@ fn description(version: Version, scene: &Scene, meshes: &str, out: &mut dyn Writ
             writeln!(out, "\tAreaLightSource \"diffuse\" \"rgb L\" [{}]", rgb(radiance))?;
         }
         writeln!(out, "\tShape \"plymesh\" \"string filename\" [{}]", Quoted(&file))?;
+        writeln!(out, "AttributeEnd")
+    };
+    let groups = Words::default().assign(scene.groups.values().map(|group| group.name.as_str()));
+    for (group, id) in scene.groups.values().zip(&groups) {
+        let Group { name, shapes, instances: _ } = group;
+        if name != id {
+            write!(out, "\n# {}", Line(name))?;
+        }
+        writeln!(out, "\nObjectBegin \"{id}\"")?;
+        shapes.values().try_for_each(|shape| surface(shape, out))?;
+        writeln!(out, "ObjectEnd")?;
+    }
+    scene.shapes.values().try_for_each(|shape| surface(shape, out))?;
+    for instance in scene.instances.values() {
+        let Instance { name, group, transform } = instance;
+        writeln!(out, "\n# {}\nAttributeBegin", Line(name))?;
+        placed(transform, out)?;
+        writeln!(out, "\tObjectInstance \"{}\"", groups[group.index()])?;
         writeln!(out, "AttributeEnd")?;
     }
     if version.names().world_end {
@@ -156,7 +175,7 @@ fn material(version: Version, bsdf: &Bsdf, id: &str, out: &mut dyn Write) -> io:
     }
 }
 
-/// The transform of a shape, by columns as PBRT writes matrices.
+/// The transform of a shape or instance, by columns as PBRT writes matrices.
 fn placed(transform: &Affine, out: &mut dyn Write) -> io::Result<()> {
     if *transform == Affine::IDENTITY {
         return Ok(());

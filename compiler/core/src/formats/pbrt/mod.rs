@@ -53,6 +53,7 @@ fn supports_v4(feature: Feature) -> Support {
         | Feature::TextureCoordinates
         | Feature::TransformedShape
         | Feature::SharedMesh
+        | Feature::Instances
         | Feature::Camera
         | Feature::Resolution
         | Feature::PixelFilter
@@ -123,6 +124,7 @@ fn supports_v3(feature: Feature) -> Support {
         | Feature::TextureCoordinates
         | Feature::TransformedShape
         | Feature::SharedMesh
+        | Feature::Instances
         | Feature::Camera
         | Feature::Resolution
         | Feature::PixelFilter

@@ -1,6 +1,6 @@
 //! What the targets need to know of a camera beyond what the Scene says: the other angle of view, axes, clipping.
 
-use crate::ir::{Affine, Camera, Film, Scene, Shape, Vec3, cross, dot, length, normalized, sub};
+use crate::ir::{Affine, Camera, Film, Instance, Scene, Shape, Vec3, cross, dot, length, normalized, sub};
 
 /// The vertical full angle of view in degrees, `2 atan(tan(fov_x / 2) height / width)`; exactly `fov_x` for a square.
 pub fn fov_y(fov_x: f64, film: &Film) -> f64 {
@@ -34,11 +34,16 @@ pub fn axes(camera: &Camera) -> Option<Axes> {
 pub fn reach(scene: &Scene, camera: &Camera) -> f64 {
     let mut boxes: Vec<Option<[Vec3; 2]>> = vec![None; scene.meshes.len()];
     let mut farthest = 0.0_f64;
-    for shape in scene.shapes.values() {
+    let mut see = |shape: &Shape, outer: &Affine| {
         let Shape { name: _, mesh, transform, material: _, emission: _ } = shape;
         let slot = &mut boxes[mesh.index()];
         let [low, high] = *slot.get_or_insert_with(|| bounds(scene.meshes[*mesh].positions.as_slice()));
-        farthest = farthest.max(farthest_corner(transform, low, high, camera.eye));
+        farthest = farthest.max(farthest_corner(&transform.then(outer), low, high, camera.eye));
+    };
+    scene.shapes.values().for_each(|shape| see(shape, &Affine::IDENTITY));
+    for instance in scene.instances.values() {
+        let Instance { name: _, group, transform } = instance;
+        scene.groups[*group].shapes.values().for_each(|shape| see(shape, transform));
     }
     farthest
 }

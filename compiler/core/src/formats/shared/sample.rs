@@ -2,8 +2,8 @@
 
 use crate::diag::Origin;
 use crate::ir::{
-    Affine, Arena, Bsdf, Camera, Color, Documentation, Emission, Film, Filter, Handle, Integrator, Material, Mesh,
-    Sampler, Scene, Shape, Vec3, cross, normalized, sub,
+    Affine, Arena, Bsdf, Camera, Color, Documentation, Emission, Film, Filter, Group, Handle, Instance, Integrator,
+    Material, Mesh, Sampler, Scene, Shape, Vec3, cross, normalized, sub,
 };
 use crate::mesh::Geometry;
 
@@ -29,6 +29,8 @@ pub fn empty(name: &str) -> Scene {
         meshes: Arena::default(),
         materials: Arena::default(),
         shapes: Arena::default(),
+        groups: Arena::default(),
+        instances: Arena::default(),
         cameras,
         film: Film { width: 128, height: 128, filter: Filter::Box { radius: 0.5 } },
         integrator: Integrator::Path { max_depth: 10 },
@@ -119,6 +121,29 @@ pub fn room() -> Scene {
     shape(&mut scene, "tall", tall, ochre, None);
     let (d, z) = (10.0, 99.0);
     let lamp = quads(&mut scene, "lamp", &[[[-d, d, z], [d, d, z], [d, -d, z], [-d, -d, z]]]);
+    shape(&mut scene, "lamp", lamp, black, Some(Emission { radiance: Color::Grey(30.0) }));
+    scene
+}
+
+/// Two blocks in a group, seen three times: as they are, moved, and turned while sheared; and a lamp.
+pub fn grid() -> Scene {
+    let mut scene = empty("grid");
+    let white = material(&mut scene, "white", diffuse([1.0; 3]));
+    let black = material(&mut scene, "black", diffuse([0.0; 3]));
+    let mesh = block(&mut scene, "block", [1.0; 3], [0.0; 3], 0.0);
+    let mut group = Group { name: "pair".to_owned(), ..Group::default() };
+    for (name, x) in [("left", -2.0), ("right", 2.0)] {
+        let transform = Affine::translation([x, 0.0, 0.0]);
+        let shape = Shape { name: name.to_owned(), mesh, transform, material: white, emission: None };
+        group.shapes.push(shape, Origin::Made);
+    }
+    let group = scene.groups.push(group, Origin::Made);
+    let turned = Affine::rotation([0.0, 0.0, 1.0], 90.0).then(&Affine::translation([0.0, 0.0, 5.0]));
+    let sheared = Affine { rows: [[1.0, 0.5, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 20.0]] };
+    for (at, transform) in [Affine::IDENTITY, turned, sheared].into_iter().enumerate() {
+        scene.instances.push(Instance { name: format!("pair[{at}]"), group, transform }, Origin::Made);
+    }
+    let lamp = quads(&mut scene, "lamp", &[[[-1.0, 1.0, 9.0], [1.0, 1.0, 9.0], [1.0, -1.0, 9.0], [-1.0, -1.0, 9.0]]]);
     shape(&mut scene, "lamp", lamp, black, Some(Emission { radiance: Color::Grey(30.0) }));
     scene
 }

@@ -1,0 +1,236 @@
+//! Items and settings: shapes, emitters, instances, cameras, film, integrator, sampler.
+
+use std::rc::Rc;
+
+use crate::diag::{Finding, Span};
+use crate::ir::{GROUP_DEPTH, INSTANCE_LIMIT};
+use crate::syntax::{Expr, Kind, Name};
+
+use super::module::{Module, Scope};
+use super::table::Family;
+use super::value::{EmissionValue, GroupValue, MaterialValue, MeshValue, Value};
+use super::{Interpreter, Reported};
+
+/// A shape or an emitter.
+#[derive(Clone, Debug)]
+pub(super) struct Item {
+    pub name: String,
+    pub span: Span,
+    pub mesh: MeshValue,
+    pub material: Option<Rc<MaterialValue>>,
+    pub emission: Option<Rc<EmissionValue>>,
+}
+
+/// An instance.
+#[derive(Clone, Debug)]
+pub(super) struct Placed {
+    pub name: String,
+    pub span: Span,
+    pub group: GroupValue,
+}
+
+/// The shapes, emitters and instances of a group. Equal calls of a parametric group are one.
+#[derive(Debug)]
+pub(super) struct GroupBody {
+    pub name: String,
+    pub span: Span,
+    pub items: Vec<Item>,
+    pub instances: Vec<Placed>,
+    /// Shapes and instances that placing it makes, those of inner groups included.
+    pub size: u64,
+    /// How many groups lie within each other, this one included.
+    pub depth: usize,
+}
+
+impl Interpreter<'_> {
+    /// `instance name = group |> moves`
+    pub(super) fn instance(
+        &mut self,
+        module: &mut Module,
+        scope: &mut Scope,
+        name: Option<&Name>,
+        value: &Expr,
+        span: Span,
+    ) {
+        let group = match self.eval(scope, value, None) {
+            Ok(Value::Group(group)) => group,
+            Ok(Value::Function(function)) if function.makes_groups() => {
+                self.findings.push(
+                    Finding::error(
+                        "missing-argument",
+                        value.span,
+                        format!("the group `{}` has parameters", function.name),
+                    )
+                    .help(format!("write `{}(...)` with its arguments", function.name)),
+                );
+                return;
+            }
+            Ok(found) => {
+                let message = format!("`instance` takes a group, not {}", found.kind());
+                let finding = Finding::error("type-mismatch", value.span, message).label(found.kind());
+                let mesh = matches!(found, Value::Mesh(_));
+                self.findings.push(if mesh {
+                    finding.help("write `shape name = ... with ...` for a mesh")
+                } else {
+                    finding
+                });
+                return;
+            }
+            Err(Reported) => return,
+        };
+        let Some(name) = name else { return };
+        let text = module.item_name(name);
+        if let Some(first) = module.instance_names.insert(text.clone(), name.span) {
+            let message = format!("two instances are named `{text}`");
+            self.findings
+                .push(Finding::error("duplicate-name", name.span, message).label("again").also(first, "first here"));
+            return;
+        }
+        module.size = module.size.saturating_add(group.body.size).saturating_add(1);
+        if module.size > INSTANCE_LIMIT {
+            let message = format!("the scene has more than {INSTANCE_LIMIT} shapes and instances");
+            self.findings.push(
+                Finding::error("instance-limit", span, message)
+                    .note("instances within groups count as often as their group is placed"),
+            );
+            return;
+        }
+        module.group_depth = module.group_depth.max(group.body.depth + 1);
+        if module.group_depth > GROUP_DEPTH {
+            let message = format!("groups hold each other more than {GROUP_DEPTH} levels deep");
+            self.findings.push(Finding::error("nesting-limit", span, message));
+            return;
+        }
+        module.instances.push(Placed { name: text, span, group });
+    }
+
+    #[expect(clippy::too_many_arguments, reason = "the parts of one statement")]
+    pub(super) fn item(
+        &mut self,
+        module: &mut Module,
+        scope: &mut Scope,
+        kind: Kind,
+        name: Option<&Name>,
+        value: &Expr,
+        with: Option<&Expr>,
+        span: Span,
+    ) {
+        let mesh = self.eval(scope, value, Some(Family::Mesh)).and_then(|found| match found {
+            Value::Mesh(mesh) => Ok(rename_made(mesh, name)),
+            found => {
+                let word = kind.word();
+                self.report(
+                    Finding::error("type-mismatch", value.span, format!("`{word}` takes a mesh, not {}", found.kind()))
+                        .label(found.kind()),
+                )
+            }
+        });
+        let Some(with) = with else {
+            let (what, example) = if kind == Kind::Shape {
+                ("a shape needs `with <material>`", "write for example `... with diffuse(0.5)`")
+            } else {
+                ("an emitter needs `with <radiance>`", "write for example `... with radiance(30)`")
+            };
+            self.findings.push(Finding::error("missing-with", span, what).label("no surface is given").help(example));
+            return;
+        };
+        let family = if kind == Kind::Shape { Family::Material } else { Family::Emission };
+        let surface = self.eval(scope, with, Some(family)).and_then(|found| match (kind, found) {
+            (Kind::Shape, Value::Material(material)) => Ok((Some(material), None)),
+            (Kind::Emitter, Value::Emission(emission)) => Ok((None, Some(emission))),
+            (Kind::Shape, Value::Emission(_)) => self.report(
+                Finding::error("type-mismatch", with.span, "a shape takes a material, not an emission")
+                    .help("write `emitter name = ...`"),
+            ),
+            (_, found) => {
+                let wants =
+                    if kind == Kind::Shape { "a shape takes a material" } else { "an emitter takes an emission" };
+                let finding = Finding::error("type-mismatch", with.span, format!("{wants}, not {}", found.kind()))
+                    .label(found.kind());
+                self.report(if kind == Kind::Emitter {
+                    finding.help("write for example `with radiance(30)`")
+                } else {
+                    finding
+                })
+            }
+        });
+        let (Ok(mesh), Ok((material, emission)), Some(name)) = (mesh, surface, name) else { return };
+        let text = module.item_name(name);
+        if let Some(first) = module.item_names.insert((emission.is_some(), text.clone()), name.span) {
+            self.findings.push(
+                Finding::error("duplicate-name", name.span, format!("two {}s are named `{text}`", kind.word()))
+                    .label("again")
+                    .also(first, "first here"),
+            );
+            return;
+        }
+        module.size = module.size.saturating_add(1);
+        module.items.push(Item { name: text, span, mesh, material, emission });
+    }
+
+    pub(super) fn setting(
+        &mut self,
+        module: &mut Module,
+        scope: &mut Scope,
+        kind: Kind,
+        name: Option<&Name>,
+        value: &Expr,
+        span: Span,
+    ) {
+        let family = match kind {
+            Kind::Camera => Family::Camera,
+            Kind::Film => Family::Film,
+            Kind::Integrator => Family::Integrator,
+            _ => Family::Sampler,
+        };
+        let Ok(found) = self.eval(scope, value, Some(family)) else {
+            module.broken.push(kind);
+            return;
+        };
+        let again = |first: Span| {
+            Finding::error("duplicate-setting", span, format!("there are two {}s", kind.word()))
+                .label("again")
+                .also(first, "first here")
+        };
+        match (kind, found) {
+            (Kind::Camera, Value::Camera(camera)) => {
+                let own = name.map(|name| name.text.clone());
+                let unnamed = own.is_none() || module.cameras.iter().any(|(name, _, _)| name.is_none());
+                if let Some((_, _, first)) = module.cameras.iter().find(|(name, _, _)| unnamed || *name == own) {
+                    self.findings
+                        .push(again(*first).help("several cameras need different names: `camera above = ...`"));
+                    return;
+                }
+                module.cameras.push((own, camera, span));
+            }
+            (Kind::Film, Value::Film(film)) => match module.film {
+                Some((_, first)) => self.findings.push(again(first)),
+                None => module.film = Some((film, span)),
+            },
+            (Kind::Integrator, Value::Integrator(integrator)) => match module.integrator {
+                Some((_, first)) => self.findings.push(again(first)),
+                None => module.integrator = Some((integrator, span)),
+            },
+            (Kind::Sampler, Value::Sampler(sampler)) => match module.sampler {
+                Some((_, first)) => self.findings.push(again(first)),
+                None => module.sampler = Some((sampler, span)),
+            },
+            (kind, found) => {
+                module.broken.push(kind);
+                let _reported: Result<(), Reported> = self.wrong_kind(kind, value.span, &found);
+            }
+        }
+    }
+}
+
+/// A mesh takes the name of its declaration.
+pub(super) fn rename(mesh: MeshValue, name: Option<&Name>) -> MeshValue {
+    let Some(name) = name else { return mesh };
+    let renamed = crate::ir::Mesh { name: name.text.clone(), ..(*mesh.mesh).clone() };
+    MeshValue { mesh: Rc::new(renamed), ..mesh }
+}
+
+/// A mesh that was made in place takes the name of its shape; a declared one keeps its own.
+fn rename_made(mesh: MeshValue, name: Option<&Name>) -> MeshValue {
+    if mesh.mesh.name.is_empty() { rename(mesh, name) } else { mesh }
+}
