@@ -191,8 +191,11 @@ fn broken_scenes_pass_through() {
     assert_eq!(lower(indices.clone()), (indices, vec![]));
 }
 
-/// What is seen of each shape by its name, with the instances multiplied out.
-fn multiplied(scene: &Scene) -> std::collections::BTreeMap<String, (Shape, Vec<[[f64; 6]; 3]>)> {
+/// Shapes by their names, each with its triangles as [`seen`] gives them.
+type Seen = std::collections::BTreeMap<String, (Shape, Vec<[[f64; 6]; 3]>)>;
+
+/// What is seen with the instances multiplied out.
+fn multiplied(scene: &Scene) -> Seen {
     fn add(scene: &Scene, group: &Group, path: &str, outer: &Affine, all: &mut Vec<Shape>) {
         for shape in group.shapes.values() {
             let name = format!("{path}/{}", shape.name);
@@ -207,7 +210,9 @@ fn multiplied(scene: &Scene) -> std::collections::BTreeMap<String, (Shape, Vec<[
         add(scene, &scene.groups[*group], name, transform, &mut all);
     }
     let mut flat = Scene { shapes: Arena::default(), groups: Arena::default(), ..scene.clone() };
-    all.iter().for_each(|shape| drop(flat.shapes.push(shape.clone(), Origin::Made)));
+    for shape in &all {
+        flat.shapes.push(shape.clone(), Origin::Made);
+    }
     all.into_iter().zip(seen(&flat)).map(|(shape, seen)| (shape.name.clone(), (shape, seen))).collect()
 }
 
@@ -222,7 +227,9 @@ fn transform([sx, sy, sz, ax, ay, degrees, tx, ty, tz]: [i8; 9]) -> Affine {
 
 fn group(scene: &mut Scene, name: &str, shapes: Vec<Shape>, inner: &[(Handle<Group>, Affine)]) -> Handle<Group> {
     let mut group = Group { name: name.to_owned(), ..Group::default() };
-    shapes.into_iter().for_each(|shape| drop(group.shapes.push(shape, Origin::Made)));
+    for shape in shapes {
+        group.shapes.push(shape, Origin::Made);
+    }
     for (at, (handle, transform)) in inner.iter().enumerate() {
         let instance = Instance { name: format!("inner {at}"), group: *handle, transform: *transform };
         group.instances.push(instance, Origin::Made);
