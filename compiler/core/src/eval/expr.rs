@@ -6,6 +6,7 @@ use crate::diag::{Finding, Span, nearest};
 use crate::files::{Bytes, ReadError, VPath};
 use crate::syntax::{Call, Expr, ExprKind};
 
+use super::function::Function;
 use super::module::Scope;
 use super::ops;
 use super::table::{self, Args, Constructor, Family, Site};
@@ -210,49 +211,39 @@ impl Interpreter<'_> {
             return Err(Reported);
         };
         let args = self.bind(scope, call, row)?;
-        let file = self.sources.get(call.span.file).path.clone();
-        let folder = file.rsplit_once('/').map_or("", |(folder, _)| folder).to_owned();
-        let spans = self.argument_spans(call, row);
-        let Self { files, inputs, meshes, findings, .. } = self;
+        // Functions see nothing of the place where they are called, and are called most.
+        let file =
+            if row.family == Family::Function { None } else { Some(self.sources.get(call.span.file).path.clone()) };
+        let folder = file.as_deref().and_then(|file| file.rsplit_once('/')).map_or("", |(folder, _)| folder);
         // Files are read once; a mesh of a file is one mesh however often it is named.
-        let key = mesh_key(row, &args, &folder);
-        if let Some(value) = key.as_ref().and_then(|key| meshes.get(key)) {
+        let key = mesh_key(row, &args, folder);
+        if let Some(value) = key.as_ref().and_then(|key| self.meshes.get(key)) {
             return match value {
                 Value::Poison => Err(Reported),
                 value => Ok(value.clone()),
             };
         }
-        let mut read = |path: &VPath| -> Result<Bytes, ReadError> {
-            let bytes = files.read(path, MESH_LIMIT)?;
-            inputs.insert(path.clone(), bytes.clone());
-            Ok(bytes)
-        };
-        let mut site = Site { span: call.span, folder: &folder, read: &mut read, remarks: Vec::new() };
+        let mut site = Site { span: call.span, folder, host: self, remarks: Vec::new() };
         let built = (row.build)(&args, &mut site);
         for (message, help) in site.remarks {
-            findings.push(Finding::warn("mesh-file", call.span, message).maybe_help(help));
+            self.findings.push(Finding::warn("mesh-file", call.span, message).maybe_help(help));
         }
-        match built {
-            Ok(value) => {
-                if let Some(key) = key {
-                    meshes.insert(key, value.clone());
-                }
-                Ok(value)
-            }
-            Err(problem) => {
-                let problem = *problem.0;
-                if let Some(key) = key {
-                    meshes.insert(key, Value::Poison);
-                }
-                let at = problem.at.and_then(|name| spans.iter().find(|(param, _)| *param == name));
-                let mut finding = Finding::error(problem.id, at.map_or(call.span, |(_, span)| *span), problem.message);
-                finding.notes.extend(problem.note);
-                finding.help = problem.help;
-                finding.label = problem.label;
-                findings.push(finding);
-                Err(Reported)
-            }
+        if let Some(key) = key {
+            self.meshes.insert(key, built.as_ref().map_or(Value::Poison, Clone::clone));
         }
+        built.or_else(|problem| {
+            let problem = *problem.0;
+            if problem.id.is_empty() {
+                return Err(Reported);
+            }
+            let spans = self.argument_spans(call, row);
+            let at = problem.at.and_then(|name| spans.iter().find(|(param, _)| *param == name));
+            let mut finding = Finding::error(problem.id, at.map_or(call.span, |(_, span)| *span), problem.message);
+            finding.notes.extend(problem.note);
+            finding.help = problem.help;
+            finding.label = problem.label;
+            self.report(finding)
+        })
     }
 
     /// Reports a call of something that is no constructor and no function.
@@ -435,8 +426,24 @@ impl Interpreter<'_> {
                 Finding::error("reversed-range", expr.span, format!("the interval `{lo}..{hi}` {what}")).help(help)
             }
             Refusal::ColorFromVector => mismatch.help("write `rgb(r, g, b)` for linear values, or `srgb(\"#rrggbb\")`"),
+            Refusal::Signature => mismatch
+                .label("a function with other parameters")
+                .help(format!("declare it as `let {name}(x: number, y: number) = ...`")),
             Refusal::Element(at) => mismatch.note(format!("element {at} is of another type")),
         })
+    }
+}
+
+impl table::Host for Interpreter<'_> {
+    fn read(&mut self, path: &VPath) -> Result<Bytes, ReadError> {
+        let bytes = self.files.read(path, MESH_LIMIT)?;
+        self.inputs.insert(path.clone(), bytes.clone());
+        Ok(bytes)
+    }
+
+    fn apply(&mut self, function: &Rc<Function>, values: Vec<Value>, span: Span) -> Result<Value, Reported> {
+        self.step(span)?;
+        self.invoke(function, &values, span)
     }
 }
 

@@ -1,6 +1,6 @@
 //! Functions and groups: declarations with parameters. A function sees what its file declares above it; there is no recursion.
 
-use std::cell::RefCell;
+use std::cell::{OnceCell, RefCell};
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
@@ -10,9 +10,10 @@ use crate::syntax::{Call, Clause, Expr, ExprKind, Kind, Name, Param, Statement, 
 
 use super::items::GroupBody;
 use super::module::{Module, Scope};
+use super::numeric::Program;
 use super::table::{self, Family};
 use super::value::{GroupValue, MaterialValue, Ty, Value};
-use super::{Interpreter, Reported};
+use super::{Interpreter, Reported, STEP_LIMIT};
 
 /// How deep calls of functions may nest.
 const CALL_DEPTH: usize = 128;
@@ -29,6 +30,8 @@ pub(super) struct Function {
     span: Span,
     /// Groups that calls have made, by their arguments: equal calls are one group.
     made: RefCell<BTreeMap<String, Value>>,
+    /// The translated body, made at the first call; none where it does more than compute with numbers.
+    program: OnceCell<Option<Program>>,
 }
 
 /// What a function is made of.
@@ -132,6 +135,19 @@ impl Function {
     pub(super) fn makes_groups(&self) -> bool {
         self.kind == Kind::Group
     }
+
+    /// Its body, the names of its parameters and what else the body names, if it is a function of numbers.
+    pub(super) fn numeric(&self) -> Option<(&Expr, Vec<&str>, &BTreeMap<String, Value>)> {
+        let Body::Value(body) = &self.body else { return None };
+        let names = self.params.iter().map(|param| param.name.text.as_str()).collect();
+        self.takes_numbers(self.params.len()).then_some((body, names, &self.captured))
+    }
+
+    /// Whether it can be called with as many numbers as `count`.
+    pub(super) fn takes_numbers(&self, count: usize) -> bool {
+        let number = |param: &Parameter| param.ty.lists == 0 && matches!(param.ty.of, Element::Table(Ty::Number));
+        self.kind == Kind::Let && self.params.len() == count && self.params.iter().all(number)
+    }
 }
 
 impl Interpreter<'_> {
@@ -202,6 +218,7 @@ impl Interpreter<'_> {
             captured,
             span: name.span,
             made: RefCell::default(),
+            program: OnceCell::new(),
         })))
     }
 
@@ -258,6 +275,7 @@ impl Interpreter<'_> {
             captured: scope.values(),
             span: name.span,
             made: RefCell::default(),
+            program: OnceCell::new(),
         };
         if plain { self.group_items(&function, &[]) } else { Ok(Value::Function(Rc::new(function))) }
     }
@@ -298,14 +316,27 @@ impl Interpreter<'_> {
         function: &Rc<Function>,
     ) -> Result<Value, Reported> {
         self.step(call.span)?;
+        let values = self.bind_function(scope, call, function)?;
+        self.invoke(function, &values, call.span)
+    }
+
+    /// The value of a function's body for the parameters' values; `call` is where it is called.
+    pub(super) fn invoke(&mut self, function: &Rc<Function>, values: &[Value], call: Span) -> Result<Value, Reported> {
         if self.call_depth >= CALL_DEPTH {
             return self.report(Finding::error(
                 "nesting-limit",
-                call.span,
+                call,
                 format!("functions call each other more than {CALL_DEPTH} levels deep"),
             ));
         }
-        let values = self.bind_function(scope, call, function)?;
+        if let Some(program) = function.program.get_or_init(|| Program::of(function)) {
+            let mut steps = self.steps;
+            let result = program.run(values, &mut steps);
+            if let Some(result) = result.filter(|_| steps <= STEP_LIMIT) {
+                self.steps = steps;
+                return Ok(result);
+            }
+        }
         let family = match function.kind {
             Kind::Material => Some(Family::Material),
             Kind::Mesh => Some(Family::Mesh),
@@ -315,13 +346,13 @@ impl Interpreter<'_> {
         self.call_depth += 1;
         let made = match &function.body {
             Body::Value(body) => {
-                let mut inner = Self::inner_scope(function, &values);
+                let mut inner = Self::inner_scope(function, values);
                 self.eval(&mut inner, body, family).map(|value| (value, body.span))
             }
             Body::Group(_) => {
                 let key = format!("{values:?}");
                 let known = function.made.borrow().get(&key).cloned();
-                let group = known.map_or_else(|| self.group_items(function, &values), Ok);
+                let group = known.map_or_else(|| self.group_items(function, values), Ok);
                 if let Ok(group) = &group {
                     function.made.borrow_mut().insert(key, group.clone());
                 }
@@ -333,7 +364,7 @@ impl Interpreter<'_> {
             (Kind::Material, Value::Material(material)) => {
                 // Equal calls make one material: it is known by the function's name.
                 let name = Some(function.name.clone());
-                Ok(Value::Material(Rc::new(MaterialValue { name, bsdf: material.bsdf.clone(), span: call.span })))
+                Ok(Value::Material(Rc::new(MaterialValue { name, bsdf: material.bsdf.clone(), span: call })))
             }
             (Kind::Material | Kind::Mesh, value)
                 if !matches!((function.kind, &value), (Kind::Mesh, Value::Mesh(_))) =>
@@ -344,9 +375,8 @@ impl Interpreter<'_> {
         });
         for finding in self.findings[before..].iter_mut().filter(|finding| finding.severity == Severity::Error) {
             if finding.labels.len() < 4 {
-                finding
-                    .labels
-                    .push(crate::diag::Label { span: call.span, text: format!("in this call of `{}`", function.name) });
+                let text = format!("in this call of `{}`", function.name);
+                finding.labels.push(crate::diag::Label { span: call, text });
             }
         }
         made

@@ -1,6 +1,6 @@
 //! Tree to Scene: names, types, units, constructors. Every error is a finding; evaluation goes on behind it.
 //!
-//! Reading order: `value`, `ops`, [`table`] (constructors), `expr` (expressions and calls), `function`, `module` (statements
+//! Reading order: `value`, `ops`, [`table`] (constructors), `expr` (expressions and calls), `function`, `numeric` (functions of numbers, translated), `module` (statements
 //! and `use`), `items` (shapes, instances, settings), `flow` (loops, conditions, parameters), `assemble` (the Scene).
 
 #![expect(clippy::wildcard_enum_match_arm, reason = "a value of any other type is the same mistake, and is reported")]
@@ -11,6 +11,7 @@ mod flow;
 mod function;
 mod items;
 mod module;
+mod numeric;
 mod ops;
 mod table;
 mod value;

@@ -165,6 +165,8 @@ pub enum Ty {
     Material,
     /// A reconstruction filter.
     Filter,
+    /// A function of two numbers, by its name.
+    Height,
 }
 
 impl Ty {
@@ -196,6 +198,7 @@ impl Ty {
             Self::Placeable => "a mesh or a group",
             Self::Material => "a material",
             Self::Filter => "a filter",
+            Self::Height => "a function of two numbers",
         }
     }
 
@@ -249,6 +252,13 @@ impl Ty {
             (Self::Placeable, Value::Group(group)) => Ok(Value::Group(group)),
             (Self::Material, Value::Material(material)) => Ok(Value::Material(material)),
             (Self::Filter, Value::Filter(filter)) => Ok(Value::Filter(filter)),
+            (Self::Height, Value::Function(function)) => {
+                if function.takes_numbers(2) {
+                    Ok(Value::Function(function))
+                } else {
+                    Err(Refusal::Signature)
+                }
+            }
             (_, Value::Poison) => Err(Refusal::Silent),
             (_, _) => Err(plain()),
         }
@@ -286,6 +296,8 @@ pub(super) enum Refusal {
     ColorFromVector,
     /// An element of a list.
     Element(usize),
+    /// A function with other parameters.
+    Signature,
     /// Already reported.
     Silent,
 }

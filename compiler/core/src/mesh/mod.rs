@@ -12,6 +12,7 @@ mod faceted;
 pub mod file;
 mod flip;
 mod geometry;
+mod height_field;
 mod lathe;
 mod measure;
 mod plate;
@@ -32,6 +33,7 @@ pub use error::MeshError;
 pub use faceted::faceted;
 pub use flip::flip;
 pub use geometry::Geometry;
+pub use height_field::{Field, height_field};
 pub use lathe::lathe;
 pub use measure::{
     View, area, bounds, degenerate_triangles, face_normal, is_closed, largest_normal_deviation, signed_volume,

@@ -80,15 +80,16 @@ pub(super) fn position_ids(positions: &[[f32; 3]]) -> Vec<u32> {
 }
 
 /// A triangle that has an area.
-struct Face {
+pub(super) struct Face {
     triangle: [u32; 3],
-    normal: Vec3,
+    pub normal: Vec3,
     /// The angle at each corner in radians.
-    angles: [f64; 3],
+    pub angles: [f64; 3],
 }
 
 impl Face {
-    fn new(triangle: [u32; 3], geometry: &Geometry) -> Option<Self> {
+    /// The face of a triangle whose indices are in range; none for one without area.
+    pub fn new(triangle: [u32; 3], geometry: &Geometry) -> Option<Self> {
         let corners = triangle.map(|index| geometry.positions[index as usize].map(f64::from));
         let normal = face_normal(corners)?;
         let angles = [0, 1, 2].map(|at: usize| {

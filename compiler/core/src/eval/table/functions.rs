@@ -91,6 +91,18 @@ pub(super) const ROWS: &[Constructor] = &[
     }),
     row("min", AB, "The smaller one.", "let a = min(1, 2)", |args, _| number(ab(args).0.min(ab(args).1))),
     row("max", AB, "The larger one.", "let a = max(1, 2)", |args, _| number(ab(args).0.max(ab(args).1))),
+    row(
+        "random",
+        &[
+            Parameter { name: "a", ty: Ty::Number, default: None, doc: "any number" },
+            Parameter { name: "b", ty: Ty::Number, default: Some("0"), doc: "any number" },
+            Parameter { name: "c", ty: Ty::Number, default: Some("0"), doc: "any number" },
+            Parameter { name: "d", ty: Ty::Number, default: Some("0"), doc: "any number" },
+        ],
+        "A number from 0 to just below 1 that is the same for the same arguments on every machine, and as good as random else.",
+        "let a = [for i in 1..10: random(i, 7)]",
+        |args, _| number(random(["a", "b", "c", "d"].map(|name| args.number(name).unwrap_or(0.0)))),
+    ),
     row("sum", NUMBERS, "The sum of the numbers of a list.", "let a = sum([1, 2, 3])", |args, _| {
         let items = args.list("list").unwrap_or_default().iter();
         number(items.map(|item| if let Value::Number(n) = item { *n } else { 0.0 }).sum())
@@ -144,6 +156,19 @@ pub(super) const ROWS: &[Constructor] = &[
     ),
 ];
 
+/// The finalizer of SplitMix64 (Steele, Lea and Flood 2014), fed with the bits of one number after the other; the upper 53
+/// bits of the result make the number. Missing arguments are 0, and -0 is 0.
+fn random(numbers: [f64; 4]) -> f64 {
+    let mut state = 0_u64;
+    for number in numbers {
+        state = (state ^ (number + 0.0).to_bits()).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        state = (state ^ (state >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        state = (state ^ (state >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        state ^= state >> 31;
+    }
+    (state >> 11) as f64 / (1_u64 << 53) as f64
+}
+
 fn number(value: f64) -> Result<Value, Problem> {
     if value.is_finite() {
         Ok(Value::Number(value))
@@ -181,4 +206,26 @@ fn inverse(args: &Args, of: fn(f64) -> f64) -> Result<Value, Problem> {
         return Err(Problem::new("x", "the argument must lie between -1 and 1"));
     }
     Ok(Value::Angle(of(x(args)).to_degrees()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::random;
+
+    #[test]
+    fn random_numbers_are_fixed_uniform_and_uncorrelated() {
+        assert_eq!(random([0.0; 4]), random([-0.0; 4]));
+        assert_eq!(random([1.0, 2.0, 0.0, 0.0]).to_bits(), 0x3fe3_af4e_c1c7_210f);
+        let all: Vec<f64> = (0..10_000).map(|i| random([f64::from(i), 1.0, 0.0, 0.0])).collect();
+        let mean = all.iter().sum::<f64>() / 1e4;
+        let variance = all.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / 1e4;
+        let next = all.windows(2).map(|pair| (pair[0] - mean) * (pair[1] - mean)).sum::<f64>() / 1e4;
+        // Five standard errors each.
+        assert!(
+            (mean - 0.5).abs() < 5.0 * 0.0029 && (variance - 1.0 / 12.0).abs() < 5.0 * 0.00075,
+            "{mean} {variance}"
+        );
+        assert!(next.abs() < 5.0 * 0.00084, "{next}");
+        assert!(all.iter().all(|x| (0.0..1.0).contains(x)));
+    }
 }

@@ -3,7 +3,7 @@
 use crate::mesh::{self, Hole};
 
 use super::super::value::{Ty, Value};
-use super::meshes::{finish, points};
+use super::meshes::{finish, points, problem};
 use super::{Args, Constructor, Family, Parameter, Problem, Site};
 
 pub(super) const ROWS: &[Constructor] = &[
@@ -126,6 +126,32 @@ pub(super) const ROWS: &[Constructor] = &[
             finish(mesh::lathe(&profile, segments(args), flag(args, "closed", false)), site)
         },
     },
+    Constructor {
+        family: Family::Mesh,
+        name: "height_field",
+        summary: "The surface z = height(x, y) over a rectangle, facing up, with smooth normals.",
+        params: &[
+            Parameter {
+                name: "height",
+                ty: Ty::Height,
+                default: None,
+                doc: "the name of a function `let height(x: number, y: number) = ...` that gives a number",
+            },
+            Parameter { name: "x", ty: Ty::Range, default: None, doc: "from one side to the other" },
+            Parameter { name: "y", ty: Ty::Range, default: None, doc: "from front to back" },
+            Parameter {
+                name: "vertices",
+                ty: Ty::Vec2,
+                default: None,
+                doc: "along x and along y, the borders included, at least 2 each; \
+                      2 (vertices.x - 1) (vertices.y - 1) triangles",
+            },
+        ],
+        positional: 1,
+        example: "let hill(x: number, y: number) = exp(0 - x * x - y * y)\n\
+                  mesh hill_top = height_field(hill, x: -2..2, y: -2..2, vertices: (65, 65))",
+        build: field,
+    },
 ];
 
 const SEGMENTS: Parameter =
@@ -175,6 +201,30 @@ fn plate(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     let cells = |(first, last)| Ok::<_, Problem>((count("hole", first)?, count("hole", last)?));
     let hole = Hole { raster, columns: cells(columns)?, rows: cells(rows)? };
     finish(mesh::plate([x.0, y.0, z.0], [x.1, y.1, z.1], hole), site)
+}
+
+fn field(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
+    let Some(Value::Function(function)) = args.get("height") else {
+        return Err(Problem::new("height", "`height` is no function"));
+    };
+    let counts = match args.vector("vertices") {
+        Some([nx, ny]) => (count("vertices", *nx)?, count("vertices", *ny)?),
+        _ => return Err(Problem::new("vertices", "`vertices` is missing")),
+    };
+    let field = mesh::Field::new(interval(args, "x")?, interval(args, "y")?, counts).map_err(problem)?;
+    let mut heights = Vec::new();
+    for (x, y) in field.places() {
+        let values = vec![Value::Number(x), Value::Number(y)];
+        match site.host.apply(function, values, site.span) {
+            Ok(Value::Number(z)) => heights.push(z),
+            Ok(other) => {
+                let message = format!("the function gives {}, not a number", other.kind());
+                return Err(Problem::new("height", message).id("type-mismatch"));
+            }
+            Err(_) => return Err(Problem::reported()),
+        }
+    }
+    finish(mesh::height_field(field, &heights), site)
 }
 
 /// A number of cells or the number of a cell.

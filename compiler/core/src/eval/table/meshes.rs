@@ -205,7 +205,7 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
             None => found,
         }
     })?;
-    let bytes = (site.read)(&path).map_err(|error| {
+    let bytes = site.host.read(&path).map_err(|error| {
         Problem::new("path", format!("`{path}` cannot be read: {error}"))
             .id("unreadable-file")
             .maybe_help(beside_help(&path, &error))

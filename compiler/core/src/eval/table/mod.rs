@@ -8,10 +8,16 @@ mod meshes;
 mod settings;
 mod stages;
 
+use std::collections::BTreeMap;
+use std::rc::Rc;
+use std::sync::OnceLock;
+
 use crate::diag::Span;
 use crate::files::{Bytes, ReadError, VPath};
 use crate::ir::{Color, Vec3};
 
+use super::Reported;
+use super::function::Function;
 use super::value::{Ty, Value};
 
 /// What a constructor makes; the place where it stands asks for one of these.
@@ -116,7 +122,7 @@ pub(super) struct Detail {
     pub label: String,
     pub note: Option<String>,
     pub help: Option<String>,
-    /// The finding's code where it is a special one.
+    /// The finding's code where it is a special one; empty for what has been reported.
     pub id: &'static str,
 }
 
@@ -130,6 +136,11 @@ impl Problem {
             help: None,
             id: "invalid-argument",
         }))
+    }
+
+    /// What has been reported already, where it happened.
+    pub(super) fn reported() -> Self {
+        Self::new(None, "").id("")
     }
 
     pub(super) fn help(self, text: impl Into<String>) -> Self {
@@ -213,14 +224,24 @@ impl Args {
     }
 }
 
+/// What constructors ask of the evaluator.
+pub(super) trait Host {
+    /// Reads a file of the project.
+    fn read(&mut self, path: &VPath) -> Result<Bytes, ReadError>;
+
+    /// Calls a user's function with as many values as it has parameters, each of its parameter's type; errors are
+    /// reported with the call at `span`.
+    fn apply(&mut self, function: &Rc<Function>, values: Vec<Value>, span: Span) -> Result<Value, Reported>;
+}
+
 /// What a constructor may see of the place where it is called.
 pub(super) struct Site<'s> {
     /// The call.
     pub span: Span,
     /// The folder of the file in which the path was written.
     pub folder: &'s str,
-    /// Reads a file of the project.
-    pub read: &'s mut dyn FnMut(&VPath) -> Result<Bytes, ReadError>,
+    /// What the evaluator does for it.
+    pub host: &'s mut dyn Host,
     /// Things to say although the value could be made.
     pub remarks: Vec<(String, Option<String>)>,
 }
@@ -234,14 +255,14 @@ pub fn table() -> impl Iterator<Item = &'static Constructor> {
 
 /// The row called `name`; where several families have one, that of `wanted`.
 pub(super) fn find(name: &str, wanted: Option<Family>) -> Option<&'static Constructor> {
-    let mut first = None;
-    for row in table().filter(|row| row.name == name) {
-        if wanted.is_none_or(|family| family == row.family) {
-            return Some(row);
-        }
-        first = first.or(Some(row));
-    }
-    first
+    static INDEX: OnceLock<BTreeMap<&str, Vec<&Constructor>>> = OnceLock::new();
+    let index = INDEX.get_or_init(|| {
+        let mut index: BTreeMap<&str, Vec<&Constructor>> = BTreeMap::new();
+        table().for_each(|row| index.entry(row.name).or_default().push(row));
+        index
+    });
+    let rows = index.get(name)?;
+    rows.iter().find(|row| wanted.is_none_or(|family| family == row.family)).or(rows.first()).copied()
 }
 
 impl Constructor {
