@@ -22,6 +22,9 @@ fuzz_target!(|text: &str| {
         return;
     }
     let Ok((scene, _)) = prepare(scene) else { return };
+    if scene.shapes.len() + scene.instances.len() > 10_000 {
+        return;
+    }
     let camera = camera(&scene, None).expect("a valid scene has a camera");
     for target in TARGETS {
         emit_alone(&scene, camera, target, &mut MemorySink::default()).expect("memory takes everything");

@@ -6,6 +6,7 @@ mod geometry;
 mod gltf;
 mod golden;
 mod render;
+mod thesis;
 mod tidy;
 
 use std::io::Write;
