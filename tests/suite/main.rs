@@ -2,6 +2,7 @@
 
 mod cases;
 mod cli;
+mod format;
 mod geometry;
 mod gltf;
 mod golden;

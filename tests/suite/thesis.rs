@@ -84,7 +84,7 @@ fn tiles(image: &Image) -> Vec<f64> {
     for y in 0..128 {
         for x in 0..128 {
             let pixel = image.at(x, y);
-            sums[(y / 16 * 8 + x / 16) as usize] += pixel.iter().map(|c| f64::from(*c)).sum::<f64>() / (3.0 * 256.0);
+            sums[y / 16 * 8 + x / 16] += pixel.iter().map(|c| f64::from(*c)).sum::<f64>() / (3.0 * 256.0);
         }
     }
     sums

@@ -14,6 +14,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("files", &["diag"]),
     ("ir", &["diag"]),
     ("syntax", &["diag"]),
+    ("format", &["syntax", "diag"]),
     ("mesh", &["ir", "diag"]),
     ("eval", &["syntax", "ir", "mesh", "diag", "files"]),
     ("valid", &["ir", "mesh", "diag"]),

@@ -55,6 +55,14 @@ pub enum Command {
         after_help = "Examples:\n  ltsc lint\n  ltsc lint scenes-src/ring.lts --format short\n  ltsc lint --deny undocumented-scene\n  ltsc explain smooth-emitter"
     )]
     Lint(Lint),
+    /// Give scenes and libraries their one canonical form.
+    ///
+    /// Comments stay, numbers stay as written, the meaning never changes. Without PATH the scenes of the project that the
+    /// current folder belongs to; `-` reads standard input and writes standard output.
+    #[command(
+        after_help = "Examples:\n  ltsc fmt\n  ltsc fmt scenes-src/ring.lts\n  ltsc fmt --check          (exit 1 where something would change)\n  ltsc fmt - < draft.lts > ring.lts"
+    )]
+    Fmt(Fmt),
     /// Write a scene for one target, as one self-contained folder.
     ///
     /// Without SCENE every scene of the project, as `build` does, for this target only.
@@ -162,6 +170,18 @@ pub struct Lint {
     pub paths: Vec<PathBuf>,
     #[command(flatten)]
     pub findings: Findings,
+}
+
+#[derive(Args, Debug)]
+pub struct Fmt {
+    /// Files, or folders with `.lts` files; `-` for standard input.
+    pub paths: Vec<PathBuf>,
+    /// Write nothing; exit with 1 and name the files that would change.
+    #[arg(long)]
+    pub check: bool,
+    /// Write nothing; show what would change.
+    #[arg(long)]
+    pub diff: bool,
 }
 
 #[derive(Args, Debug)]

@@ -5,6 +5,7 @@ mod completions;
 mod diff;
 mod emit;
 mod explain;
+mod fmt;
 mod lint;
 mod render;
 mod renderers;
@@ -21,6 +22,7 @@ pub fn run(arguments: Arguments) -> Exit {
     let done = match arguments.command {
         Command::Build(command) => build::run(&command),
         Command::Lint(command) => lint::run(&command),
+        Command::Fmt(command) => fmt::run(&command),
         Command::Emit(command) => emit::run(&command),
         Command::Render(command) => render::run(&command),
         Command::Diff(command) => diff::run(&command),
@@ -50,7 +52,7 @@ fn wants_json(command: &Command) -> bool {
             RenderersAction::List { format } => format,
             RenderersAction::Install { .. } => Format::Human,
         },
-        Command::Explain(_) | Command::Completions { .. } => Format::Human,
+        Command::Fmt(_) | Command::Explain(_) | Command::Completions { .. } => Format::Human,
     };
     format == Format::Json
 }

@@ -233,7 +233,7 @@ impl Interpreter<'_> {
         }
         built.or_else(|problem| {
             let problem = *problem.0;
-            if problem.id.is_empty() {
+            if problem.id == table::REPORTED {
                 return Err(Reported);
             }
             let spans = self.argument_spans(call, row);

@@ -126,6 +126,9 @@ pub(super) struct Detail {
     pub id: &'static str,
 }
 
+/// The code of a problem that has been reported.
+pub(super) const REPORTED: &str = "";
+
 impl Problem {
     pub(super) fn new(at: impl Into<Option<&'static str>>, message: impl Into<String>) -> Self {
         Self(Box::new(Detail {
@@ -140,7 +143,7 @@ impl Problem {
 
     /// What has been reported already, where it happened.
     pub(super) fn reported() -> Self {
-        Self::new(None, "").id("")
+        Self::new(None, "").id(REPORTED)
     }
 
     pub(super) fn help(self, text: impl Into<String>) -> Self {

@@ -1,0 +1,149 @@
+//! `ltsc fmt`.
+
+use std::fs;
+use std::io::Read;
+use std::path::Path;
+
+use ltsc_core::diag::{Severity, Sources};
+use ltsc_core::eval::TEXT_LIMIT;
+use ltsc_core::format::{FormatError, format};
+use rayon::prelude::*;
+use similar::TextDiff;
+
+use crate::args::{Fmt, Format};
+use crate::disk;
+use crate::output::{self, Exit, Failure, Located};
+use crate::terminal;
+
+use super::shared::files_of;
+
+/// What came of a file.
+enum Done {
+    /// The text.
+    Unchanged(String),
+    /// The text before and after.
+    Changed(String, String),
+    /// What is wrong has been shown.
+    Refused(Exit),
+}
+
+pub fn run(command: &Fmt) -> Result<Exit, Failure> {
+    if command.paths.iter().any(|path| path == Path::new("-")) {
+        if command.paths.len() > 1 {
+            return Err(Failure::new(Exit::Usage, "`-` is standard input, and stands alone"));
+        }
+        return input(command);
+    }
+    let mut files = Vec::new();
+    for (_, paths) in files_of(&command.paths)? {
+        files.extend(paths);
+    }
+    let done: Vec<Result<Done, Failure>> = files.par_iter().map(|file| one(file, command)).collect();
+    let mut worst = Exit::Done;
+    let mut changed = 0;
+    for (file, done) in files.iter().zip(done) {
+        let exit = match done {
+            Ok(Done::Unchanged(_)) => Exit::Done,
+            Ok(Done::Changed(before, after)) => {
+                changed += 1;
+                if command.diff {
+                    terminal::print(&difference(&file.display().to_string(), &before, &after));
+                }
+                let what = if command.check { "would be formatted" } else { "formatted" };
+                terminal::say(&format!("{} {what}", file.display()));
+                if command.check { Exit::No } else { Exit::Done }
+            }
+            Ok(Done::Refused(exit)) => exit,
+            Err(failure) => failure.show(),
+        };
+        worst = worst.max(exit);
+    }
+    let count = files.len();
+    let plural = if count == 1 { "" } else { "s" };
+    let what = if command.check { "not formatted" } else { "changed" };
+    terminal::say(&format!("{count} file{plural}, {changed} {what}"));
+    Ok(worst)
+}
+
+/// Standard input to standard output.
+fn input(command: &Fmt) -> Result<Exit, Failure> {
+    let mut bytes = Vec::new();
+    let read = std::io::stdin().lock().take(TEXT_LIMIT + 1).read_to_end(&mut bytes);
+    read.map_err(|error| Failure::new(Exit::Input, format!("standard input cannot be read: {error}")))?;
+    let text = text("standard input", bytes)?;
+    let done = formatted("<stdin>", text)?;
+    let (before, after) = match done {
+        Done::Refused(exit) => return Ok(exit),
+        Done::Unchanged(text) => (text.clone(), text),
+        Done::Changed(before, after) => (before, after),
+    };
+    if command.diff {
+        terminal::print(&difference("<stdin>", &before, &after));
+    } else if !command.check {
+        terminal::print(&after);
+    }
+    Ok(if command.check && before != after { Exit::No } else { Exit::Done })
+}
+
+fn one(file: &Path, command: &Fmt) -> Result<Done, Failure> {
+    let name = file.display().to_string();
+    let unreadable = |error: std::io::Error| Failure::new(Exit::Input, format!("{name} cannot be read: {error}"));
+    let size = fs::metadata(file).map_err(unreadable)?.len();
+    if size > TEXT_LIMIT {
+        return Err(Failure::new(Exit::Input, format!("{name} has {size} bytes, more than {TEXT_LIMIT}")));
+    }
+    let text = text(&name, fs::read(file).map_err(unreadable)?)?;
+    let done = formatted(&name, text)?;
+    if let Done::Changed(_, after) = &done
+        && !command.check
+        && !command.diff
+    {
+        // A link stays one: what it points to is replaced.
+        let real = fs::canonicalize(file).map_err(unreadable)?;
+        let written = disk::write_atomically(&real, &mut |out| out.write_all(after.as_bytes()));
+        written.map_err(|error| Failure::new(Exit::Environment, format!("{name} cannot be written: {error}")))?;
+    }
+    Ok(done)
+}
+
+fn text(name: &str, bytes: Vec<u8>) -> Result<String, Failure> {
+    if bytes.len() as u64 > TEXT_LIMIT {
+        return Err(Failure::new(Exit::Input, format!("{name} has more than {TEXT_LIMIT} bytes")));
+    }
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        Failure::new(Exit::Input, format!("{name} is not a text in UTF-8: the first bad byte is at {at}"))
+    })?;
+    if text.contains('\0') {
+        return Err(Failure::new(Exit::Input, format!("{name} contains a zero byte")).help("is this a binary file?"));
+    }
+    Ok(text)
+}
+
+fn formatted(name: &str, text: String) -> Result<Done, Failure> {
+    let mut sources = Sources::default();
+    match format(&mut sources, name, &text) {
+        Ok(after) if after == text => Ok(Done::Unchanged(text)),
+        Ok(after) => Ok(Done::Changed(text, after)),
+        Err(FormatError::Malformed(findings)) => {
+            let shown = findings.into_iter().filter(|finding| finding.severity >= Severity::Error);
+            let all: Vec<Located<'_>> = shown.map(|finding| Located { finding, sources: &sources }).collect();
+            output::findings(&all, Format::Human, false, true);
+            Ok(Done::Refused(Exit::Input))
+        }
+        Err(FormatError::Fault(difference)) => {
+            let message =
+                format!("a fault of ltsc itself: formatting {name} would change it ({difference}); it stays as it is");
+            Err(Failure::new(Exit::Fault, message).help("please report it with the file"))
+        }
+    }
+}
+
+/// A unified diff.
+fn difference(name: &str, before: &str, after: &str) -> String {
+    TextDiff::from_lines(before, after)
+        .unified_diff()
+        .context_radius(3)
+        .header(name, &format!("{name}, formatted"))
+        .to_string()
+}
