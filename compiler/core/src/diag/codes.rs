@@ -44,7 +44,7 @@ pub const CODES: &[Code] = &[
     code("invalid-film", "A film has no pixels, too many, or a filter without extent."),
     code(
         "invalid-group",
-        "A group is empty, or its instances cannot be multiplied out: groups may lie 128 deep in each other\nand make 10 million shapes and instances.",
+        "A group is empty, or its instances cannot be multiplied out.\nGroups may lie 128 deep in each other and make 10 million shapes and instances.",
     ),
     code("invalid-integrator", "A path has no segments."),
     code("invalid-material", "A material's numbers are not finite or outside their range."),
