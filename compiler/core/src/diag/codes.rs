@@ -63,7 +63,7 @@ pub const CODES: &[Code] = &[
     ),
     code(
         "invalid-path-class",
-        "A class of light paths is not written in Heckbert's notation.\nLetters are L, E, D, G and S, with `( ) | * +`.",
+        "A class of light paths is not written in Heckbert's notation.\nLetters are L, E, D, G and S, with `( ) | * +`: `LDDE`, `LS+DE`. `L` stands first and `E` last; a part of paths, such as `SDS`, has\nneither. The full form says what light and eye are: `LDD S+ D DSE`.",
     ),
     code("invalid-sampler", "A sampler takes no samples."),
     code("invalid-scene", "A scene has nothing to render: no shape, no camera, or an image without pixels."),
@@ -124,6 +124,10 @@ pub const CODES: &[Code] = &[
         "A range runs backwards, or an interval is empty.\nRanges contain both ends: `0..8` are nine numbers.",
     ),
     code("scene-name", "A scene is not named as its file."),
+    code(
+        "shadows-builtin",
+        "A function has the name of a constructor or function of the language, and takes its place.\nIt is allowed: a version of the language that adds names does not break scenes that have them already.",
+    ),
     code(
         "step-limit",
         "A file takes more than ten million calls and iterations.\nThe limit keeps a scene from running without end.",

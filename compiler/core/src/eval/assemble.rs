@@ -6,10 +6,10 @@ use std::rc::Rc;
 use crate::diag::{Finding, Span, nearest};
 use crate::files::VPath;
 use crate::ir::{
-    Arena, Bsdf, Camera, Color, Documentation, Emission, Film, Group, Handle, Instance, Integrator, Material, Mesh,
-    Sampler, Scene, Shape, Similar,
+    Arena, Bsdf, Camera, Color, Documentation, Emission, Film, Group, Handle, Instance, Integrator, LightPaths,
+    Material, Mesh, Sampler, Scene, Shape, Similar,
 };
-use crate::syntax::{Kind, Name};
+use crate::syntax::{ExprKind, Kind, Name};
 
 use super::items::{GroupBody, Item, Placed};
 use super::module::{Header, Module};
@@ -87,7 +87,7 @@ impl Interpreter<'_> {
     fn documentation(&mut self, header: &Header) -> Documentation {
         let (brief, full) = split_doc(&header.doc);
         let mut documentation = Documentation { brief, full, ..Documentation::default() };
-        for (name, value) in &header.fields {
+        for (name, value, _) in &header.fields {
             // What is wrong is reported; the field stays empty.
             let _reported: Result<(), Reported> = match name.text.as_str() {
                 "paths" => self.strings(name, value).map(|paths| documentation.paths = paths),
@@ -105,18 +105,18 @@ impl Interpreter<'_> {
                 }
             };
         }
-        for path in documentation.paths.clone() {
-            if path.is_empty() || !path.chars().all(|c| "LEDGS()|*+ ".contains(c)) {
-                self.findings.push(
-                    Finding::error(
-                        "invalid-path-class",
-                        field_span(header, "paths"),
-                        format!("`{path}` is no class of light paths"),
-                    )
-                    .note("letters are L (light), E (eye), D (diffuse), G (glossy), S (specular), with `( ) | * +`")
-                    .help("write for example `LDDE` or `LS+DE`"),
-                );
-            }
+        for (at, path) in documentation.paths.iter().enumerate() {
+            let Err(error) = LightPaths::parse(path) else { continue };
+            self.findings.push(
+                Finding::error(
+                    "invalid-path-class",
+                    path_span(header, at, path, error.at),
+                    format!("`{path}` is no class of light paths"),
+                )
+                .label(error.message)
+                .note("letters are L (light), E (eye), D (diffuse), G (glossy), S (specular), with `( ) | * +`")
+                .help("write for example `LDDE` or `LS+DE`, in full form `LDD S+ D DSE`"),
+            );
         }
         documentation
     }
@@ -189,8 +189,19 @@ fn names_a_folder(name: &str) -> bool {
         && !device(&name.to_ascii_lowercase())
 }
 
-fn field_span(header: &Header, field: &str) -> Span {
-    header.fields.iter().find(|(name, _)| name.text == field).map_or(header.name.span, |(name, _)| name.span)
+/// The place of byte `byte` of the class of light paths number `at`, as exactly as it can be told.
+fn path_span(header: &Header, at: usize, path: &str, byte: usize) -> Span {
+    let Some((name, _, written)) = header.fields.iter().find(|(name, ..)| name.text == "paths") else {
+        return header.name.span;
+    };
+    let ExprKind::List(parts) = &written.kind else { return name.span };
+    let Some(span) = parts.get(at).map(|part| part.span) else { return name.span };
+    // Between its quotes a string without escapes is as long as its text.
+    if (span.end - span.start) as usize != path.len() + 2 {
+        return span;
+    }
+    let start = span.start + 1 + byte as u32;
+    Span { start, end: (start + 1).min(span.end), ..span }
 }
 
 /// The first paragraph on one line, and the rest.

@@ -6,7 +6,7 @@ use std::rc::Rc;
 
 use crate::diag::{Finding, Severity, Span, nearest};
 use crate::ir::Affine;
-use crate::syntax::{Call, Clause, Expr, ExprKind, Kind, Name, Param, Statement, Type};
+use crate::syntax::{Call, Clause, Expr, ExprKind, Kind, Name, Param, Statement, StatementKind, Type};
 
 use super::items::GroupBody;
 use super::module::{Module, Scope};
@@ -182,12 +182,40 @@ impl Interpreter<'_> {
         params: &[Param],
         body: &Expr,
     ) -> Result<Value, Reported> {
-        let (made, mut good) = self.parameters(scope, params);
-        let mut names = Free { found: Vec::new(), bound: params.iter().map(|param| param.name.text.clone()).collect() };
+        self.shadows_builtin(name);
+        let (made, good) = self.parameters(scope, params);
+        let mut names = Free::of(params);
         names.expr(body);
+        let (captured, known) = self.capture(scope, name, names);
+        let good = good && known;
+        if !good {
+            return Err(Reported);
+        }
+        Ok(Value::Function(Rc::new(Function {
+            name: name.text.clone(),
+            kind,
+            params: made,
+            body: Body::Value(body.clone()),
+            captured,
+            span: name.span,
+            made: RefCell::default(),
+            program: OnceCell::new(),
+        })))
+    }
+
+    /// The values of the names that a body uses, and whether all of them are known; those that are not are reported.
+    fn capture(&mut self, scope: &Scope, name: &Name, names: Free) -> (BTreeMap<String, Value>, bool) {
         let mut captured = BTreeMap::new();
+        let mut good = true;
+        for inner in &names.declared {
+            if let Some(first) = scope.place(&inner.text) {
+                self.duplicate(inner, first);
+                good = false;
+            }
+        }
         for (text, span, called) in names.found {
-            if let Some(value) = scope.get(&text) {
+            if captured.contains_key(&text) {
+            } else if let Some(value) = scope.get(&text) {
                 captured.insert(text, value.clone());
             } else if called && table::find(&text, None).is_some()
                 || !called && matches!(text.as_str(), "X" | "Y" | "Z" | "PI")
@@ -205,21 +233,28 @@ impl Interpreter<'_> {
                 good = false;
             } else {
                 good &= self.name(scope, &text, span).is_ok();
+                let own = names.bound.iter().chain(names.declared.iter().map(|name| &name.text));
+                let meant = nearest(&text, own.map(String::as_str));
+                if let (Some(finding), Some(meant)) = (self.findings.last_mut(), meant)
+                    && finding.help.is_none()
+                {
+                    finding.help = Some(format!("did you mean `{meant}`?"));
+                }
             }
         }
-        if !good {
-            return Err(Reported);
-        }
-        Ok(Value::Function(Rc::new(Function {
-            name: name.text.clone(),
-            kind,
-            params: made,
-            body: Body::Value(body.clone()),
-            captured,
-            span: name.span,
-            made: RefCell::default(),
-            program: OnceCell::new(),
-        })))
+        (captured, good)
+    }
+
+    /// Says that a function takes the place of a constructor or function of the language, which it may.
+    fn shadows_builtin(&mut self, name: &Name) {
+        let Some(row) = table::find(&name.text, None) else { return };
+        let message = format!("the function `{}` hides the `{}` of the language", name.text, row.name);
+        self.findings.push(
+            Finding::warn("shadows-builtin", name.span, message)
+                .label("calls below mean this one")
+                .note("it is allowed, so that later versions of the language can add names")
+                .help("choose another name if that is not meant"),
+        );
     }
 
     /// The parameters of a function, and whether all of them are good.
@@ -262,31 +297,39 @@ impl Interpreter<'_> {
         params: &[Param],
         body: &[Statement],
     ) -> Result<Value, Reported> {
-        let (params, good) = self.parameters(scope, params);
+        self.shadows_builtin(name);
+        let (made, mut good) = self.parameters(scope, params);
+        let mut captured = BTreeMap::new();
+        // A group without parameters is evaluated here and now, where its names can be seen.
+        if !params.is_empty() {
+            let mut names = Free::of(params);
+            names.statements(body);
+            let known;
+            (captured, known) = self.capture(scope, name, names);
+            good &= known;
+        }
         if !good {
             return Err(Reported);
         }
-        let plain = params.is_empty();
         let function = Function {
             name: name.text.clone(),
             kind: Kind::Group,
-            params,
+            params: made,
             body: Body::Group(body.to_vec()),
-            captured: scope.values(),
+            captured,
             span: name.span,
             made: RefCell::default(),
             program: OnceCell::new(),
         };
-        if plain { self.group_items(&function, &[]) } else { Ok(Value::Function(Rc::new(function))) }
+        if params.is_empty() { self.group_items(scope, &function) } else { Ok(Value::Function(Rc::new(function))) }
     }
 
-    /// Evaluates the statements of a group with the parameters' values.
-    fn group_items(&mut self, function: &Function, values: &[Value]) -> Result<Value, Reported> {
+    /// Evaluates the statements of a group, whose names `scope` has.
+    fn group_items(&mut self, scope: &mut Scope, function: &Function) -> Result<Value, Reported> {
         let Body::Group(body) = &function.body else { return Err(Reported) };
-        let mut scope = Self::inner_scope(function, values);
         let mut module = Module { depth: 1, ..Module::default() };
         let before = self.findings.len();
-        self.block(&mut module, &mut scope, body);
+        self.block(&mut module, scope, body);
         if self.findings[before..].iter().any(|finding| finding.severity == Severity::Error) {
             return Err(Reported);
         }
@@ -352,7 +395,8 @@ impl Interpreter<'_> {
             Body::Group(_) => {
                 let key = format!("{values:?}");
                 let known = function.made.borrow().get(&key).cloned();
-                let group = known.map_or_else(|| self.group_items(function, values), Ok);
+                let group =
+                    known.map_or_else(|| self.group_items(&mut Self::inner_scope(function, values), function), Ok);
                 if let Ok(group) = &group {
                     function.made.borrow_mut().insert(key, group.clone());
                 }
@@ -462,9 +506,79 @@ struct Free {
     /// Name, place, and whether it is called.
     found: Vec<(String, Span, bool)>,
     bound: Vec<String>,
+    /// The names that are bound within, parameters aside.
+    declared: Vec<Name>,
 }
 
 impl Free {
+    fn of(params: &[Param]) -> Self {
+        let bound = params.iter().map(|param| param.name.text.clone()).collect();
+        Self { found: Vec::new(), bound, declared: Vec::new() }
+    }
+
+    /// The statements of a group: what they declare is bound behind its declaration.
+    fn statements(&mut self, body: &[Statement]) {
+        let before = self.bound.len();
+        for statement in body {
+            match &statement.kind {
+                StatementKind::Declaration { kind, name, params, value, with } => {
+                    let outside = self.bound.len();
+                    for param in params.iter().flatten() {
+                        param.default.iter().for_each(|default| self.expr(default));
+                        self.bound.push(param.name.text.clone());
+                    }
+                    self.expr(value);
+                    with.iter().for_each(|with| self.expr(with));
+                    self.bound.truncate(outside);
+                    let values = [Kind::Let, Kind::Material, Kind::Mesh, Kind::Texture, Kind::Group];
+                    name.iter().filter(|_| values.contains(kind)).for_each(|name| self.bind(name));
+                }
+                StatementKind::Group { name, params, body } => {
+                    let outside = self.bound.len();
+                    for param in params {
+                        param.default.iter().for_each(|default| self.expr(default));
+                        self.bound.push(param.name.text.clone());
+                    }
+                    self.statements(body);
+                    self.bound.truncate(outside);
+                    self.bind(name);
+                }
+                StatementKind::For { clauses, body } => {
+                    let outside = self.bound.len();
+                    self.clauses(clauses);
+                    self.statements(body);
+                    self.bound.truncate(outside);
+                }
+                StatementKind::If { branches, otherwise } => {
+                    for (condition, body) in branches {
+                        self.expr(condition);
+                        self.statements(body);
+                    }
+                    self.statements(otherwise);
+                }
+                // They stand at the top of a file, and are reported where they do not.
+                StatementKind::Version(_)
+                | StatementKind::Scene { .. }
+                | StatementKind::Use { .. }
+                | StatementKind::Parameter { .. }
+                | StatementKind::Allow { .. } => {}
+            }
+        }
+        self.bound.truncate(before);
+    }
+
+    fn clauses(&mut self, clauses: &[Clause]) {
+        for clause in clauses {
+            self.expr(&clause.over);
+            clause.names.iter().for_each(|name| self.bind(name));
+        }
+    }
+
+    fn bind(&mut self, name: &Name) {
+        self.bound.push(name.text.clone());
+        self.declared.push(name.clone());
+    }
+
     fn name(&mut self, text: &str, span: Span, called: bool) {
         if !self.bound.iter().any(|bound| bound == text) {
             self.found.push((text.to_owned(), span, called));
@@ -496,10 +610,7 @@ impl Free {
 
     fn comprehension(&mut self, clauses: &[Clause], body: &Expr) {
         let before = self.bound.len();
-        for clause in clauses {
-            self.expr(&clause.over);
-            self.bound.extend(clause.names.iter().map(|name| name.text.clone()));
-        }
+        self.clauses(clauses);
         self.expr(body);
         self.bound.truncate(before);
     }

@@ -41,12 +41,6 @@ impl Scope {
         self.all.get(name).copied()
     }
 
-    /// All names that can be seen, with their values.
-    pub(super) fn values(&self) -> BTreeMap<String, Value> {
-        let outer = self.names.iter().map(|(name, (value, _))| (name.clone(), value.clone()));
-        outer.chain(self.inner.iter().map(|(name, value, _)| (name.clone(), value.clone()))).collect()
-    }
-
     /// Where `name` is declared.
     pub(super) fn place(&self, name: &str) -> Option<Span> {
         self.entry(name).map(|(_, span)| span)
@@ -75,7 +69,8 @@ impl Scope {
 pub(super) struct Header {
     pub name: Name,
     pub doc: String,
-    pub fields: Vec<(Name, Value)>,
+    /// Names with their values and how these were written.
+    pub fields: Vec<(Name, Value, Expr)>,
 }
 
 /// A scene file as it was evaluated.
@@ -359,7 +354,7 @@ impl Interpreter<'_> {
         let mut values = Vec::new();
         for field in fields {
             if let Ok(value) = self.eval(scope, &field.value, None) {
-                values.push((field.name.clone(), value));
+                values.push((field.name.clone(), value, field.value.clone()));
             }
         }
         module.header = Some(Header { name: name.clone(), doc: doc.to_owned(), fields: values });

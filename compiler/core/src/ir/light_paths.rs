@@ -1,0 +1,287 @@
+//! Classes of light paths in Heckbert's notation, and their full form after Veach's thesis (1997, section 8.3).
+//!
+//! A class is a regular expression over the vertices of paths from the light to the eye. Letters: `L` light, `E` eye, `D`
+//! diffuse, `G` glossy, `S` specular; `( ) | * +` as usual; blanks are for the reader. The short form says what surfaces a
+//! path meets: `LDDE`. The full form also says what light and eye are, by two letters each for place and direction: an area
+//! light is `LDD` (it has an extent, and emits into many directions), a point light `LSD`, a pinhole camera `DSE`; its first
+//! and last words are these: `LDD S+ D DSE`. Either order of the two letters is read, since authors differ. A class without
+//! `L` or `E` is a part of paths: `SDS`.
+//!
+//! Local sampling (path tracing, light tracing, bidirectional path tracing) finds a path only where two neighbouring letters
+//! of its full form are `D`: they can be connected, or met by chance. `G` counts as `D`: a glossy lobe has an extent.
+
+/// A class of light paths.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LightPaths {
+    form: Form,
+    full: bool,
+}
+
+/// Why a text is no class of light paths.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LightPathError {
+    /// The byte at which the text stops being one.
+    pub at: usize,
+    /// What is wrong there.
+    pub message: &'static str,
+}
+
+/// What the light of a path is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LightKind {
+    /// It has an extent: `LDD`.
+    Area,
+    /// It is a point: `LSD`.
+    Point,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Form {
+    /// A letter and its place.
+    Letter(char, usize),
+    Sequence(Vec<Form>),
+    Either(Vec<Form>),
+    /// Any number of times; at least once where the flag says so.
+    Repeated(Box<Form>, bool),
+}
+
+/// How deep brackets may lie in each other.
+const DEPTH: usize = 32;
+
+impl LightPaths {
+    /// The class that `text` writes.
+    ///
+    /// # Errors
+    /// What is wrong, and where.
+    pub fn parse(text: &str) -> Result<Self, LightPathError> {
+        let mut parser = Parser { text, at: 0, depth: 0 };
+        let form = parser.either()?;
+        if parser.peek().is_some() {
+            return Err(parser.error("this bracket closes nothing"));
+        }
+        form.check_ends(true, true)?;
+        let words: Vec<&str> = text.split_whitespace().collect();
+        let spelled = |word: Option<&&str>, known: &[&str]| word.is_some_and(|word| known.contains(word));
+        let full = words.len() > 1
+            && spelled(words.first(), &["LDD", "LDS", "LSD", "LSS"])
+            && spelled(words.last(), &["SDE", "DDE", "SSE", "DSE"]);
+        Ok(Self { form, full })
+    }
+
+    /// Whether local sampling finds every path of the class, where lights are of `kind` and the camera is a pinhole.
+    pub fn is_found_by_local_sampling(&self, kind: LightKind) -> bool {
+        let mut machine = Machine { full: self.full, kind };
+        let after = machine.walk(&self.form, State::START);
+        !after.has(State::START.0 | State::AFTER_D.0)
+    }
+}
+
+impl Form {
+    /// `L` stands first and `E` last, if at all.
+    fn check_ends(&self, first: bool, last: bool) -> Result<(), LightPathError> {
+        match self {
+            Self::Letter('L', at) if !first => Err(LightPathError { at: *at, message: "a path begins at the light" }),
+            Self::Letter('E', at) if !last => Err(LightPathError { at: *at, message: "a path ends at the eye" }),
+            Self::Letter(..) => Ok(()),
+            Self::Sequence(parts) => {
+                let end = parts.len().saturating_sub(1);
+                parts.iter().enumerate().try_for_each(|(at, part)| part.check_ends(first && at == 0, last && at == end))
+            }
+            Self::Either(ways) => ways.iter().try_for_each(|way| way.check_ends(first, last)),
+            Self::Repeated(part, _) => part.check_ends(false, false),
+        }
+    }
+}
+
+/// Which of the three states of the search for `DD` some path of the class is in: nothing yet, just behind a `D`, found.
+#[derive(Clone, Copy, PartialEq, Eq)]
+struct State(u8);
+
+impl State {
+    const NONE: Self = Self(0);
+    const START: Self = Self(1);
+    const AFTER_D: Self = Self(2);
+    const FOUND: Self = Self(4);
+
+    fn has(self, bits: u8) -> bool {
+        self.0 & bits != 0
+    }
+
+    fn or(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    fn letter(self, letter: char) -> Self {
+        let scatters = matches!(letter, 'D' | 'G');
+        let mut next = if self.has(Self::FOUND.0) { Self::FOUND } else { Self::NONE };
+        if self.has(Self::START.0) {
+            next = next.or(if scatters { Self::AFTER_D } else { Self::START });
+        }
+        if self.has(Self::AFTER_D.0) {
+            next = next.or(if scatters { Self::FOUND } else { Self::START });
+        }
+        next
+    }
+}
+
+/// Follows all paths of a class at once.
+struct Machine {
+    full: bool,
+    kind: LightKind,
+}
+
+impl Machine {
+    fn walk(&mut self, form: &Form, from: State) -> State {
+        match form {
+            Form::Letter('L', _) if !self.full => {
+                let spelled = match self.kind {
+                    LightKind::Area => "LDD",
+                    LightKind::Point => "LSD",
+                };
+                spelled.chars().fold(from, State::letter)
+            }
+            Form::Letter('E', _) if !self.full => "DSE".chars().fold(from, State::letter),
+            Form::Letter(letter, _) => from.letter(*letter),
+            Form::Sequence(parts) => parts.iter().fold(from, |state, part| self.walk(part, state)),
+            Form::Either(ways) => ways.iter().fold(State::NONE, |state, way| state.or(self.walk(way, from))),
+            Form::Repeated(part, once) => {
+                // Three states: three rounds reach everything that can be reached.
+                let mut reached = if *once { self.walk(part, from) } else { from };
+                for _ in 0..3 {
+                    reached = reached.or(self.walk(part, reached));
+                }
+                reached
+            }
+        }
+    }
+}
+
+struct Parser<'t> {
+    text: &'t str,
+    at: usize,
+    depth: usize,
+}
+
+impl Parser<'_> {
+    fn peek(&mut self) -> Option<char> {
+        let rest = self.text[self.at..].trim_start();
+        self.at = self.text.len() - rest.len();
+        rest.chars().next()
+    }
+
+    fn error(&mut self, message: &'static str) -> LightPathError {
+        self.peek();
+        LightPathError { at: self.at, message }
+    }
+
+    fn either(&mut self) -> Result<Form, LightPathError> {
+        let mut ways = vec![self.sequence()?];
+        while self.peek() == Some('|') {
+            self.at += 1;
+            ways.push(self.sequence()?);
+        }
+        Ok(if ways.len() == 1 { ways.remove(0) } else { Form::Either(ways) })
+    }
+
+    fn sequence(&mut self) -> Result<Form, LightPathError> {
+        let mut parts = Vec::new();
+        loop {
+            let part = match self.peek() {
+                None | Some('|' | ')') => break,
+                Some(letter @ ('L' | 'E' | 'D' | 'G' | 'S')) => {
+                    self.at += 1;
+                    Form::Letter(letter, self.at - 1)
+                }
+                Some('(') => self.brackets()?,
+                Some('*' | '+') => return Err(self.error("there is nothing to repeat before this")),
+                Some('l' | 'e' | 'd' | 'g' | 's') => return Err(self.error("letters are capitals")),
+                Some(_) => return Err(self.error("this is no letter of a path")),
+            };
+            parts.push(self.repeated(part));
+        }
+        if parts.is_empty() {
+            return Err(self.error("a path is missing here"));
+        }
+        Ok(if parts.len() == 1 { parts.remove(0) } else { Form::Sequence(parts) })
+    }
+
+    fn brackets(&mut self) -> Result<Form, LightPathError> {
+        if self.depth == DEPTH {
+            return Err(self.error("brackets lie too deep in each other"));
+        }
+        let opening = self.at;
+        self.at += 1;
+        self.depth += 1;
+        let inner = self.either()?;
+        self.depth -= 1;
+        if self.peek() != Some(')') {
+            return Err(LightPathError { at: opening, message: "this bracket is not closed" });
+        }
+        self.at += 1;
+        Ok(inner)
+    }
+
+    fn repeated(&mut self, part: Form) -> Form {
+        let mut often: Option<bool> = None;
+        while let Some(sign @ ('*' | '+')) = self.peek() {
+            self.at += 1;
+            often = Some(often.unwrap_or(true) && sign == '+');
+        }
+        match often {
+            Some(once) => Form::Repeated(Box::new(part), once),
+            None => part,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn found(text: &str, kind: LightKind) -> bool {
+        LightPaths::parse(text).expect("a class").is_found_by_local_sampling(kind)
+    }
+
+    #[test]
+    fn mistakes_have_their_place() {
+        let wrong = |text: &str| LightPaths::parse(text).map_err(|error| (error.at, error.message));
+        for good in ["LDE", "LS+DE", "L(S|D)*E", "LDD S+ D SDE", "SDS", "LD(S|G)+DE", "(LDE|LSE)", "LDDSDE", "L D E"] {
+            assert!(LightPaths::parse(good).is_ok(), "{good}");
+        }
+        assert_eq!(wrong(""), Err((0, "a path is missing here")));
+        assert_eq!(wrong("LXE"), Err((1, "this is no letter of a path")));
+        assert_eq!(wrong("lde"), Err((0, "letters are capitals")));
+        assert_eq!(wrong("L(DE"), Err((1, "this bracket is not closed")));
+        assert_eq!(wrong("LD)E"), Err((2, "this bracket closes nothing")));
+        assert_eq!(wrong("L*DE"), Err((0, "a path begins at the light")));
+        assert_eq!(wrong("LDLE"), Err((2, "a path begins at the light")));
+        assert_eq!(wrong("ELD"), Err((0, "a path ends at the eye")));
+        assert_eq!(wrong("L|+E"), Err((2, "there is nothing to repeat before this")));
+        assert_eq!(wrong("L()E"), Err((2, "a path is missing here")));
+        assert_eq!(wrong(&"(".repeat(100)), Err((DEPTH, "brackets lie too deep in each other")));
+    }
+
+    #[test]
+    fn paths_that_nothing_connects() {
+        // Veach 1997, section 8.3.4: with a point light and a pinhole, `LSDSE` cannot be sampled locally.
+        assert!(!found("LSDSE", LightKind::Point));
+        assert!(found("LSDSE", LightKind::Area));
+        assert!(found("LDE", LightKind::Point) && found("LDDE", LightKind::Point) && found("LSDDE", LightKind::Point));
+        assert!(!found("LS*DS*E", LightKind::Point), "with an `S` on both sides");
+        assert!(!found("LSE", LightKind::Point));
+        assert!(found("LDD S+ D DSE", LightKind::Point), "the full form says what the light is");
+        assert!(!found("LSD S+ D S DSE", LightKind::Area));
+        assert!(found("L(S|D)DE", LightKind::Point) && !found("L(SDS|D)E", LightKind::Point), "every path counts");
+        assert!(found("LGGE", LightKind::Point));
+    }
+
+    proptest! {
+        #[test]
+        fn any_text_is_read(text in "[LEDGS()|*+ x]{0,40}") {
+            if let Err(error) = LightPaths::parse(&text) {
+                prop_assert!(error.at <= text.len() && text.is_char_boundary(error.at));
+            }
+        }
+    }
+}
