@@ -168,6 +168,9 @@ pub struct Build {
 pub struct Lint {
     /// Scene files, or folders with scenes.
     pub paths: Vec<PathBuf>,
+    /// Leave out limits that exist for other targets only, and say what these cannot say exactly.
+    #[arg(long, value_name = "TARGET", value_delimiter = ',')]
+    pub target: Vec<String>,
     #[command(flatten)]
     pub findings: Findings,
 }

@@ -37,6 +37,8 @@ struct RendererText {
 pub struct Project {
     /// Scenes read files below this folder only.
     pub root: PathBuf,
+    /// Whether there is an `ltsc.toml`.
+    pub declared: bool,
     /// Where scenes are looked for.
     pub scenes: PathBuf,
     /// Where they are generated.
@@ -63,6 +65,7 @@ impl Project {
         let beside = folder.parent().unwrap_or(folder).join("generated");
         Ok(Self {
             root: root.to_path_buf(),
+            declared: false,
             scenes: folder.to_path_buf(),
             generated: beside,
             targets: TARGETS.iter().collect(),
@@ -131,6 +134,7 @@ impl Project {
         }
         Ok(Self {
             root: folder.to_path_buf(),
+            declared: true,
             scenes: inside("scenes", scenes, "scenes-src")?,
             generated: inside("generated", generated, "generated")?,
             targets,

@@ -2,7 +2,7 @@
 //!
 //! Reading order: [`diag`] and [`files`] (what everything speaks), [`ir`] (the Scene in the middle), [`syntax`] (text to
 //! tree), [`format`] (text to its canonical form), [`eval`] (tree to Scene), [`mesh`] (generators, mesh files), [`valid`] (what every emitter may rely on),
-//! [`lint`] (portability), [`lower`] (Scene to Scene), [`capability`] (what a target can say), [`formats`] (targets and
+//! [`survey`] (what lies where), [`lint`] (portability), [`lower`] (Scene to Scene), [`capability`] (what a target can say), [`formats`] (targets and
 //! importers), and last [`pipeline`], the only file that knows all stages.
 #![deny(clippy::wildcard_enum_match_arm)]
 
@@ -17,5 +17,6 @@ pub mod lint;
 pub mod lower;
 pub mod mesh;
 pub mod pipeline;
+pub mod survey;
 pub mod syntax;
 pub mod valid;

@@ -8,8 +8,8 @@ use crate::diag::{Finding, Severity, Sources};
 use crate::eval::{self, Allow, Evaluated, Overrides, SceneParameter};
 use crate::files::{Bytes, Files, Sink, VPath};
 use crate::formats::{self, Emission, Target};
-use crate::ir::{Camera, Handle, Scene};
-use crate::lint::{self, Levels};
+use crate::ir::{Camera, Documentation, Handle, Scene};
+use crate::lint::{self, Around, Levels, UnusedName};
 use crate::lower;
 use crate::valid::{self, Valid};
 
@@ -22,6 +22,10 @@ pub struct Options {
     pub levels: Levels,
     /// Ignores the `allow` statements of scenes.
     pub no_allow: bool,
+    /// Leaves out rules that exist for none of these targets; none are all.
+    pub targets: Vec<&'static str>,
+    /// The documentation of the project's scenes, for rules that compare scenes.
+    pub scenes: BTreeMap<String, Documentation>,
 }
 
 /// A file that was read, evaluated and linted.
@@ -48,9 +52,12 @@ impl Checked {
 
 /// Reads, evaluates and lints the file at `path`; texts that were read are added to `sources`.
 pub fn check(files: &dyn Files, sources: &mut Sources, path: &VPath, options: &Options) -> Checked {
-    let Evaluated { scene, mut findings, allows, inputs, library, parameters } =
+    let Evaluated { scene, mut findings, allows, inputs, library, parameters, unused } =
         eval::evaluate(files, sources, path, &options.overrides);
-    let mut linted = scene.as_ref().map(|scene| lint::lint(scene, &options.levels)).unwrap_or_default();
+    let unused = unused.into_iter().map(|eval::Unused { kind, name, span }| UnusedName { kind, name, span }).collect();
+    let around = Around { scenes: options.scenes.clone(), unused };
+    let lint = |scene| lint::lint(scene, &around, &options.levels, &options.targets);
+    let mut linted = scene.as_ref().map(lint).unwrap_or_default();
     if !options.no_allow {
         findings.extend(suppress(&mut linted, &allows, scene.is_some()));
     }

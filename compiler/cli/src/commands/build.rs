@@ -71,7 +71,7 @@ fn build(
 ) -> Result<(Exit, Option<Vec<Built>>), Failure> {
     let targets: &[&'static Target] = if only.is_empty() { &project.targets } else { only };
     let output = command.output.as_deref().unwrap_or(&project.generated);
-    let checked = check(project, files, &command.findings, Overrides::default())?;
+    let checked = check(project, files, &command.findings, Overrides::default(), &[])?;
     let (ready, invalid) = prepare(&checked);
     let mut more: Vec<Located<'_>> = invalid;
     for ready in &ready {
@@ -82,7 +82,7 @@ fn build(
         || more.iter().any(|located| located.finding.severity >= Severity::Deny);
     // Programs get one document: the findings where they forbid to write, else what was written.
     let shown = if json && !failing { Format::Short } else { command.findings.format };
-    let (exit, _) = report(&checked, more, shown, false);
+    let (exit, _) = report(&checked, more, shown, false, true);
     if exit != Exit::Done {
         terminal::error("nothing was written");
         return Ok((exit, None));

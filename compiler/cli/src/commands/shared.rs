@@ -1,14 +1,14 @@
 //! What several commands do: checking files of a project, and settings from the command line.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use ltsc_core::capability::{Feature, Support, features};
 use ltsc_core::diag::{Finding, Severity, Sources};
-use ltsc_core::eval::Overrides;
+use ltsc_core::eval::{self, Overrides};
 use ltsc_core::files::VPath;
 use ltsc_core::formats::Target;
-use ltsc_core::ir::{Camera, Handle, Scene};
+use ltsc_core::ir::{Camera, Documentation, Handle, Scene};
 use ltsc_core::pipeline::{self, Checked, Options};
 use ltsc_core::valid::Valid;
 use rayon::prelude::*;
@@ -46,11 +46,18 @@ pub fn check(
     files: &[PathBuf],
     findings: &args::Findings,
     overrides: Overrides,
+    targets: &[&'static Target],
 ) -> Result<Vec<CheckedFile>, Failure> {
     let root = findings.root.as_deref().unwrap_or(&project.root);
     let disk = DiskFiles::new(root)
         .map_err(|error| Failure::new(Exit::Usage, format!("{} cannot be read: {error}", root.display())))?;
-    let options = Options { overrides, levels: project.levels_with(findings)?, no_allow: findings.no_allow };
+    let options = Options {
+        overrides,
+        levels: project.levels_with(findings)?,
+        no_allow: findings.no_allow,
+        targets: targets.iter().map(|target| target.name).collect(),
+        scenes: headers(project, files, &disk),
+    };
     let one = |file: &PathBuf| {
         let path = disk.path_of(file).ok_or_else(|| {
             Failure::new(Exit::Usage, format!("{} does not lie below {}", file.display(), root.display()))
@@ -64,12 +71,23 @@ pub fn check(
     if files.len() == 1 { files.iter().map(one).collect() } else { files.par_iter().map(one).collect() }
 }
 
-/// Prints what was found in files, each thing once, and gives the exit code that it leads to.
+/// The documentation of the project's scenes by name, of a folder without `ltsc.toml` only that of the files asked for. What
+/// cannot be read is passed over: it is reported where it is checked.
+fn headers(project: &Project, files: &[PathBuf], disk: &DiskFiles) -> BTreeMap<String, Documentation> {
+    let all = if project.declared { project::scene_files(&project.scenes).unwrap_or_default() } else { Vec::new() };
+    let files = if all.is_empty() { files } else { &all };
+    let headers = files.iter().filter_map(|file| eval::header(disk, &disk.path_of(file)?));
+    headers.collect()
+}
+
+/// Prints what was found in files, each thing once, and gives the exit code that it leads to. Where `quiet`, people do not see
+/// mere remarks.
 pub fn report(
     files: &[CheckedFile],
     more: Vec<Located<'_>>,
     format: Format,
     to_stdout: bool,
+    quiet: bool,
 ) -> (Exit, output::Counts) {
     let mut seen = BTreeSet::new();
     let mut all: Vec<Located<'_>> = Vec::new();
@@ -87,10 +105,10 @@ pub fn report(
     if format == Format::Human && all.len() > SHOWN {
         let rest = all.len() - SHOWN;
         all.truncate(SHOWN);
-        output::findings(&all, format, to_stdout, true);
+        output::findings(&all, format, to_stdout, quiet);
         terminal::say(&format!("... and {rest} more findings; `--format short` shows all"));
     } else {
-        output::findings(&all, format, to_stdout, true);
+        output::findings(&all, format, to_stdout, quiet);
     }
     (Exit::of(worst), counts)
 }
@@ -186,11 +204,11 @@ pub fn one(
         return Err(Failure::new(Exit::Usage, format!("{} is a folder", file.display())).help("name one scene"));
     }
     let overrides = overrides(settings)?;
-    let files = check(&project, &[file.to_path_buf()], findings, overrides.clone())?;
+    let files = check(&project, &[file.to_path_buf()], findings, overrides.clone(), &[])?;
     let json = findings.format == Format::Json;
     let worst = files.iter().map(|file| file.checked.worst()).max().unwrap_or(Severity::Allow);
     if !json || Exit::of(worst) != Exit::Done {
-        let (exit, _) = report(&files, Vec::new(), findings.format, false);
+        let (exit, _) = report(&files, Vec::new(), findings.format, false, true);
         if exit != Exit::Done {
             return Ok(Err(exit));
         }

@@ -84,7 +84,7 @@ impl Interpreter<'_> {
         })
     }
 
-    fn documentation(&mut self, header: &Header) -> Documentation {
+    pub(super) fn documentation(&mut self, header: &Header) -> Documentation {
         let (brief, full) = split_doc(&header.doc);
         let mut documentation = Documentation { brief, full, ..Documentation::default() };
         for (name, value, _) in &header.fields {

@@ -1,7 +1,7 @@
 //! Tree to Scene: names, types, units, constructors. Every error is a finding; evaluation goes on behind it.
 //!
 //! Reading order: `value`, `ops`, [`table`] (constructors), `expr` (expressions and calls), `function`, `numeric` (functions of numbers, translated), `module` (statements
-//! and `use`), `items` (shapes, instances, settings), `flow` (loops, conditions, parameters), `assemble` (the Scene).
+//! and `use`), `items` (shapes, instances, settings), `flow` (loops, conditions, parameters), `unused` (names), `assemble` (the Scene).
 
 #![expect(clippy::wildcard_enum_match_arm, reason = "a value of any other type is the same mistake, and is reported")]
 
@@ -14,6 +14,7 @@ mod module;
 mod numeric;
 mod ops;
 mod table;
+mod unused;
 mod value;
 
 use std::collections::BTreeMap;
@@ -21,7 +22,7 @@ use std::rc::Rc;
 
 use crate::diag::{Finding, Severity, Sources, Span};
 use crate::files::{Files, VPath};
-use crate::ir::Scene;
+use crate::ir::{Documentation, Scene};
 
 pub use table::{Constructor, Family, Parameter, table};
 pub use value::Ty;
@@ -77,6 +78,17 @@ pub struct Allow {
     pub range: Option<Span>,
 }
 
+/// A name that a file declares and never uses.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unused {
+    /// The word of its declaration: `let`, `material`, `use`.
+    pub kind: &'static str,
+    /// The name.
+    pub name: String,
+    /// Where it is declared.
+    pub span: Span,
+}
+
 /// What a file means.
 #[derive(Debug)]
 pub struct Evaluated {
@@ -92,24 +104,13 @@ pub struct Evaluated {
     pub library: bool,
     /// The parameters that the scene declares.
     pub parameters: Vec<SceneParameter>,
+    /// Names that the file, or a library that it uses, declares in vain.
+    pub unused: Vec<Unused>,
 }
 
 /// Reads and evaluates the file at `path`. Texts that were read are added to `sources`.
 pub fn evaluate(files: &dyn Files, sources: &mut Sources, path: &VPath, overrides: &Overrides) -> Evaluated {
-    let mut interpreter = Interpreter {
-        files,
-        sources,
-        findings: Vec::new(),
-        allows: Vec::new(),
-        modules: BTreeMap::new(),
-        loading: Vec::new(),
-        inputs: BTreeMap::new(),
-        meshes: BTreeMap::new(),
-        steps: 0,
-        call_depth: 0,
-        set: &overrides.set,
-        scene_parameters: Vec::new(),
-    };
+    let mut interpreter = Interpreter::new(files, sources, &overrides.set);
     let loaded = interpreter.main(path);
     if loaded.is_some() {
         interpreter.unknown_settings(path);
@@ -120,9 +121,20 @@ pub fn evaluate(files: &dyn Files, sources: &mut Sources, path: &VPath, override
     if let Some(module) = loaded {
         scene = interpreter.assemble(module, path, overrides).filter(|_| !malformed(&interpreter.findings));
     }
-    let Interpreter { mut findings, allows, inputs, scene_parameters: parameters, .. } = interpreter;
+    let Interpreter { mut findings, allows, inputs, scene_parameters: parameters, unused, .. } = interpreter;
     findings.sort_by_key(|finding| finding.origin.span());
-    Evaluated { scene, findings, allows, inputs, library, parameters }
+    Evaluated { scene, findings, allows, inputs, library, parameters, unused }
+}
+
+/// The name and documentation of the scene in the file at `path`; none for a library and for what cannot be read. Nothing but
+/// the header is looked at.
+pub fn header(files: &dyn Files, path: &VPath) -> Option<(String, Documentation)> {
+    let bytes = files.read(path, TEXT_LIMIT).ok()?;
+    let text = std::str::from_utf8(&bytes).ok()?;
+    let mut sources = Sources::default();
+    let file = sources.add(path.as_str(), text);
+    let tree = crate::syntax::header(file, text)?;
+    Interpreter::new(files, &mut sources, &[]).header_alone(&tree)
 }
 
 /// What has been reported and has no value.
@@ -149,4 +161,25 @@ struct Interpreter<'f> {
     set: &'f [(String, String)],
     /// Parameters met.
     scene_parameters: Vec<SceneParameter>,
+    unused: Vec<Unused>,
+}
+
+impl<'f> Interpreter<'f> {
+    fn new(files: &'f dyn Files, sources: &'f mut Sources, set: &'f [(String, String)]) -> Self {
+        Self {
+            files,
+            sources,
+            findings: Vec::new(),
+            allows: Vec::new(),
+            modules: BTreeMap::new(),
+            loading: Vec::new(),
+            inputs: BTreeMap::new(),
+            meshes: BTreeMap::new(),
+            steps: 0,
+            call_depth: 0,
+            set,
+            scene_parameters: Vec::new(),
+            unused: Vec::new(),
+        }
+    }
 }

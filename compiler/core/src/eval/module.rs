@@ -5,7 +5,7 @@ use std::rc::Rc;
 
 use crate::diag::{Finding, Span, nearest};
 use crate::files::{PathError, ReadError, VPath};
-use crate::ir::{Film, Integrator, Sampler};
+use crate::ir::{Documentation, Film, Integrator, Sampler};
 use crate::syntax::{self, Expr, ExprKind, Kind, Name, Statement, StatementKind, Tree};
 
 use super::items::{self, Item, Placed};
@@ -123,6 +123,12 @@ impl Interpreter<'_> {
         Some(module)
     }
 
+    /// Name and documentation of a tree that is nothing but a `scene` statement.
+    pub(super) fn header_alone(&mut self, tree: &Tree) -> Option<(String, Documentation)> {
+        let header = self.module(tree).header?;
+        Some((header.name.text.clone(), self.documentation(&header)))
+    }
+
     /// Reads and parses a file. The finding of an error has no place yet.
     fn load(&mut self, path: &VPath) -> Result<Tree, Box<Finding>> {
         let place = crate::diag::Origin::Made;
@@ -155,6 +161,10 @@ impl Interpreter<'_> {
             }
         }
         self.version(tree);
+        let scene_file = tree.statements.iter().any(|statement| matches!(statement.kind, StatementKind::Scene { .. }));
+        for (kind, name) in super::unused::unused(&tree.statements, scene_file) {
+            self.unused.push(super::Unused { kind, name: name.text.clone(), span: name.span });
+        }
         let mut pending: Vec<Allow> = Vec::new();
         for statement in &tree.statements {
             if let StatementKind::Allow { id, reason } = &statement.kind {

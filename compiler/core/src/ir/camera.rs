@@ -1,6 +1,6 @@
 //! The pinhole camera.
 
-use super::Vec3;
+use super::{Vec3, cross, normalized, sub};
 
 /// A pinhole camera that looks from `eye` to `target`. The image is not mirrored: what lies to the right of the viewing
 /// direction (`(target - eye) x up`) is on the right of the image.
@@ -24,4 +24,24 @@ pub struct Camera {
     pub near: Option<f64>,
     /// Far clipping distance along the axis, > near; none leaves it to the scene's bounds.
     pub far: Option<f64>,
+}
+
+/// The unit axes of a camera: right, up and forward, so that right x up = -forward.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Axes {
+    /// To the right of the image.
+    pub right: Vec3,
+    /// To the top of the image.
+    pub up: Vec3,
+    /// Along the optical axis.
+    pub forward: Vec3,
+}
+
+impl Camera {
+    /// Its axes; none where its directions are degenerate, which validation refuses.
+    pub fn axes(&self) -> Option<Axes> {
+        let forward = normalized(sub(self.target, self.eye))?;
+        let right = normalized(cross(forward, normalized(self.up)?))?;
+        Some(Axes { right, up: cross(right, forward), forward })
+    }
 }

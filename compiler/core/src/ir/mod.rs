@@ -33,7 +33,7 @@ mod shape;
 pub(crate) use affine::sin_cos_degrees;
 pub use affine::{Affine, Vec3, cross, dot, length, normalized, sub};
 pub use arena::{Arena, Handle};
-pub use camera::Camera;
+pub use camera::{Axes, Camera};
 pub use color::Color;
 pub use doc::{Documentation, Similar};
 pub use group::{GROUP_DEPTH, Group, INSTANCE_LIMIT, Instance};

@@ -1,18 +1,19 @@
 //! Rule `missing-normals`: meshes carry explicit normals.
 #![doc = include_str!("missing_normals.md")]
 
-use super::{Level, Report, Rule};
-use crate::ir::Scene;
+use super::{Level, Report, Rule, Subject};
 
 pub(super) const RULE: Rule = Rule {
     id: "missing-normals",
     level: Level::Deny,
     summary: "A mesh has no normals, and renderers make up different ones.",
     doc: include_str!("missing_normals.md"),
+    targets: &[],
     check,
 };
 
-fn check(scene: &Scene, report: &mut Report) {
+fn check(subject: &Subject<'_>, report: &mut Report) {
+    let scene = subject.scene;
     for (handle, mesh) in scene.meshes.iter() {
         if mesh.normals.is_none() {
             report.add(

@@ -6,11 +6,14 @@ mod missing_normals;
 mod rough_too_small;
 mod smooth_emitter;
 mod undocumented_scene;
+mod unused_name;
 
+use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
-use crate::diag::{Finding, Origin, Severity};
-use crate::ir::Scene;
+use crate::diag::{Finding, Label, Origin, Severity, Span};
+use crate::ir::{Documentation, Scene};
+use crate::survey::Survey;
 
 /// What happens to the findings of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -62,13 +65,60 @@ pub struct Rule {
     pub summary: &'static str,
     /// Its page in Markdown: what, why with the renderer and source, bad, good, targets.
     pub doc: &'static str,
+    /// The targets whose renderers it exists for; empty for a rule that holds for all.
+    pub targets: &'static [&'static str],
     /// Looks at a scene.
-    check: fn(&Scene, &mut Report),
+    check: fn(&Subject<'_>, &mut Report),
+}
+
+impl Rule {
+    /// Whether the rule matters where only `targets` are asked for; no targets are all.
+    pub fn concerns(&self, targets: &[&str]) -> bool {
+        targets.is_empty() || self.targets.is_empty() || self.targets.iter().any(|own| targets.contains(own))
+    }
+}
+
+/// A name that a scene's text declares in vain.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UnusedName {
+    /// The word of its declaration.
+    pub kind: &'static str,
+    /// The name.
+    pub name: String,
+    /// Where it is declared.
+    pub span: Span,
+}
+
+/// What rules know beside the Scene.
+#[derive(Clone, Debug, Default)]
+pub struct Around {
+    /// The documentation of the project's scenes by name, this one's included; empty where a scene is looked at alone.
+    pub scenes: BTreeMap<String, Documentation>,
+    /// Names that the text declares in vain.
+    pub unused: Vec<UnusedName>,
+}
+
+/// What a rule looks at.
+struct Subject<'a> {
+    scene: &'a Scene,
+    around: &'a Around,
+    survey: OnceCell<Survey<'a>>,
+}
+
+impl<'a> Subject<'a> {
+    fn of(scene: &'a Scene, around: &'a Around) -> Self {
+        Self { scene, around, survey: OnceCell::new() }
+    }
+
+    /// What lies where; made when a rule asks for it first.
+    fn survey(&self) -> &Survey<'a> {
+        self.survey.get_or_init(|| Survey::of(self.scene))
+    }
 }
 
 /// All rules, by name.
 pub static RULES: &[Rule] =
-    &[missing_normals::RULE, rough_too_small::RULE, smooth_emitter::RULE, undocumented_scene::RULE];
+    &[missing_normals::RULE, rough_too_small::RULE, smooth_emitter::RULE, undocumented_scene::RULE, unused_name::RULE];
 
 /// Levels that differ from the built-in ones, by code.
 pub type Levels = BTreeMap<String, Level>;
@@ -81,10 +131,45 @@ struct Report {
 }
 
 impl Report {
-    /// Adds a finding of the rule at `origin`, and gives it back for label, notes and help.
-    fn add(&mut self, origin: &Origin, message: String, label: &str, note: &str, help: String) {
+    /// Adds a finding of the rule at `origin`, and gives it back for further places.
+    fn add(&mut self, origin: &Origin, message: String, label: &str, note: &str, help: String) -> &mut Finding {
         let finding = Finding::new(self.id, self.severity, origin.clone(), message).label(label).note(note).help(help);
         self.findings.push(finding);
+        let last = self.findings.len() - 1;
+        &mut self.findings[last]
+    }
+
+    /// Findings of one place become one: a loop may make a thousand shapes from one statement.
+    fn merged(self) -> Vec<Finding> {
+        let mut first: BTreeMap<Origin, usize> = BTreeMap::new();
+        let mut merged: Vec<(Finding, usize)> = Vec::new();
+        for finding in self.findings {
+            if finding.origin == Origin::Made {
+                merged.push((finding, 0));
+                continue;
+            }
+            match first.get(&finding.origin) {
+                Some(at) => merged[*at].1 += 1,
+                None => {
+                    first.insert(finding.origin.clone(), merged.len());
+                    merged.push((finding, 0));
+                }
+            }
+        }
+        let count = |(mut finding, more): (Finding, usize)| {
+            if more > 0 {
+                finding.notes.push(format!("the same holds for {more} more that this statement makes"));
+            }
+            finding
+        };
+        merged.into_iter().map(count).collect()
+    }
+}
+
+/// Adds a second place, where it is one of a text.
+fn also(finding: &mut Finding, origin: &Origin, text: &str) {
+    if let Some(span) = origin.span() {
+        finding.labels.push(Label { span, text: text.to_owned() });
     }
 }
 
@@ -93,17 +178,18 @@ pub fn find(id: &str) -> Option<&'static Rule> {
     RULES.iter().find(|rule| rule.id == id)
 }
 
-/// What the rules find in `scene`, in the order of its text.
-pub fn lint(scene: &Scene, levels: &Levels) -> Vec<Finding> {
+/// What the rules find in `scene`, in the order of its text; rules that exist for none of `targets` are left out.
+pub fn lint(scene: &Scene, around: &Around, levels: &Levels, targets: &[&str]) -> Vec<Finding> {
+    let subject = Subject::of(scene, around);
     let mut findings = Vec::new();
-    for rule in RULES {
+    for rule in RULES.iter().filter(|rule| rule.concerns(targets)) {
         let level = levels.get(rule.id).copied().unwrap_or(rule.level);
         if level == Level::Allow {
             continue;
         }
         let mut report = Report { id: rule.id, severity: level.severity(), findings: Vec::new() };
-        (rule.check)(scene, &mut report);
-        findings.extend(report.findings);
+        (rule.check)(&subject, &mut report);
+        findings.extend(report.merged());
     }
     findings.sort_by_key(|finding| finding.origin.span());
     findings

@@ -1,8 +1,8 @@
 //! Rule `rough-too-small`: a microfacet surface is rough enough to be sampled alike.
 #![doc = include_str!("rough_too_small.md")]
 
-use super::{Level, Report, Rule};
-use crate::ir::{Bsdf, Scene};
+use super::{Level, Report, Rule, Subject};
+use crate::ir::Bsdf;
 
 /// The smallest portable GGX width: the profile of the `lteval` test suite (Tázlar 2020).
 const LEAST: f64 = 0.01;
@@ -12,10 +12,12 @@ pub(super) const RULE: Rule = Rule {
     level: Level::Deny,
     summary: "A GGX width below 0.01 is a mirror in one renderer and noise in another.",
     doc: include_str!("rough_too_small.md"),
+    targets: &[],
     check,
 };
 
-fn check(scene: &Scene, report: &mut Report) {
+fn check(subject: &Subject<'_>, report: &mut Report) {
+    let scene = subject.scene;
     for (handle, material) in scene.materials.iter() {
         let alpha = match material.bsdf {
             Bsdf::Conductor { eta: _, k: _, alpha } | Bsdf::Dielectric { interior: _, exterior: _, alpha } => alpha,

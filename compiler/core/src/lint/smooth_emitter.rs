@@ -1,8 +1,7 @@
 //! Rule `smooth-emitter`: emitters are faceted.
 #![doc = include_str!("smooth_emitter.md")]
 
-use super::{Level, Report, Rule};
-use crate::ir::Scene;
+use super::{Level, Report, Rule, Subject};
 use crate::mesh::{View, largest_normal_deviation};
 
 /// How far a normal may lean from its face, in degrees: files round their normals.
@@ -13,10 +12,12 @@ pub(super) const RULE: Rule = Rule {
     level: Level::Deny,
     summary: "An emitter has smooth normals, and renderers disagree on which side and how much it emits.",
     doc: include_str!("smooth_emitter.md"),
+    targets: &[],
     check,
 };
 
-fn check(scene: &Scene, report: &mut Report) {
+fn check(subject: &Subject<'_>, report: &mut Report) {
+    let scene = subject.scene;
     // A mesh is measured once, however many emitters share it.
     let mut known: Vec<Option<Option<f64>>> = vec![None; scene.meshes.len()];
     for (origin, shape) in scene.surfaces() {

@@ -1,18 +1,19 @@
 //! Rule `undocumented-scene`: a test scene says what it tests.
 #![doc = include_str!("undocumented_scene.md")]
 
-use super::{Level, Report, Rule};
-use crate::ir::Scene;
+use super::{Level, Report, Rule, Subject};
 
 pub(super) const RULE: Rule = Rule {
     id: "undocumented-scene",
     level: Level::Warn,
     summary: "A scene does not say what it tests.",
     doc: include_str!("undocumented_scene.md"),
+    targets: &[],
     check,
 };
 
-fn check(scene: &Scene, report: &mut Report) {
+fn check(subject: &Subject<'_>, report: &mut Report) {
+    let scene = subject.scene;
     let documentation = &scene.documentation;
     let mut missing = Vec::new();
     if documentation.brief.is_empty() {

@@ -10,7 +10,7 @@ mod parse;
 mod split;
 mod tree;
 
-pub use parse::parse;
+pub use parse::{header, parse};
 pub use tree::{
     Arg, Binary, Call, Clause, Expr, ExprKind, Field, Kind, Name, Param, Statement, StatementKind, Tree, Type, Unary,
 };

@@ -54,6 +54,33 @@ pub fn parse(file: FileId, text: &str) -> (Tree, Vec<Finding>) {
     (tree, findings)
 }
 
+/// How much of a text is looked at first for its `scene` statement: it stands at the top by custom.
+const TOP: usize = 1 << 16;
+
+/// The tree of a scene file with nothing but its `scene` statement; none for a library, or where the statement is broken.
+pub fn header(file: FileId, text: &str) -> Option<Tree> {
+    let top = &text[..text.floor_char_boundary(TOP)];
+    // A statement that is cut at the end of the top does not parse, and is found in the whole text.
+    header_of(file, top).or_else(|| (top.len() < text.len()).then(|| header_of(file, text)).flatten())
+}
+
+fn header_of(file: FileId, text: &str) -> Option<Tree> {
+    let is_header = |piece: &&std::ops::Range<usize>| {
+        let mut lines = text[(*piece).clone()].lines().map(str::trim_start);
+        let first = lines.find(|line| !line.is_empty() && !line.starts_with("//"));
+        let rest = first.and_then(|line| line.strip_prefix("scene"));
+        rest.is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_'))
+    };
+    let pieces = split(text).pieces;
+    let piece = pieces.iter().find(is_header)?.clone();
+    let pairs = Grammar::parse(Rule::file, &text[piece.clone()]).ok()?;
+    let mut builder = Builder::new(file, piece.start, text);
+    let statements = builder.file(pairs);
+    let (junk, found) = builder.finish();
+    let whole = junk.is_empty() && found.is_empty() && statements.len() == 1;
+    whole.then_some(Tree { file, statements })
+}
+
 #[cfg(test)]
 mod tests {
     use super::super::{ExprKind, StatementKind};
@@ -67,6 +94,25 @@ mod tests {
 
     fn messages(text: &str) -> Vec<String> {
         run(text).1.into_iter().map(|finding| finding.message).collect()
+    }
+
+    #[test]
+    fn the_header_is_found_alone() {
+        let file = || Sources::default().add("a.lts", "");
+        let name = |text: &str| {
+            header(file(), text).map(|tree| match &tree.statements[..] {
+                [super::super::Statement { kind: StatementKind::Scene { name, .. }, doc, .. }] => {
+                    (name.text.clone(), doc.clone())
+                }
+                other => panic!("{other:?}"),
+            })
+        };
+        let text = "lts 1\n// x\n/// A.\n///\n/// B.\nscene a {\n paths: [\"LDE\"]\n}\nlet a = (\n";
+        assert_eq!(name(text), Some(("a".to_owned(), "A.\n\nB.".to_owned())));
+        assert_eq!(name("lts 1\nlet scenery = 1\n"), None);
+        assert_eq!(name("lts 1\nscene a { paths: [ }\n"), None);
+        let far = format!("lts 1\n{}scene far {{}}\n", "let a = \"\u{e9}\"\n".repeat(9000));
+        assert_eq!(name(&far), Some(("far".to_owned(), String::new())));
     }
 
     #[test]

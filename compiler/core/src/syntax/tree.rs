@@ -321,3 +321,71 @@ impl Binary {
         }
     }
 }
+
+impl Expr {
+    /// Shows `see` the expressions that this one is made of, one level down.
+    pub fn each_part<'t>(&'t self, see: &mut dyn FnMut(&'t Self)) {
+        match &self.kind {
+            ExprKind::Number(_)
+            | ExprKind::Unit(..)
+            | ExprKind::String(_)
+            | ExprKind::Bool(_)
+            | ExprKind::Row(_)
+            | ExprKind::Name(_) => {}
+            ExprKind::Tuple(parts) | ExprKind::List(parts) => parts.iter().for_each(see),
+            ExprKind::Comprehension(clauses, body) => {
+                clauses.iter().for_each(|clause| see(&clause.over));
+                see(body);
+            }
+            ExprKind::Call(call) => {
+                call.piped.iter().for_each(&mut *see);
+                call.args.iter().for_each(|arg| see(&arg.value));
+            }
+            ExprKind::Unary(_, of) | ExprKind::Member(of, _) => see(of),
+            ExprKind::Binary(_, _, both) | ExprKind::Index(both) => {
+                see(&both.0);
+                see(&both.1);
+            }
+            ExprKind::If(parts) => {
+                see(&parts.0);
+                see(&parts.1);
+                see(&parts.2);
+            }
+        }
+    }
+}
+
+impl Statement {
+    /// Shows `see` the expressions that stand in the statement itself, and `inner` the statements within its braces.
+    pub fn each_part<'t>(&'t self, see: &mut dyn FnMut(&'t Expr), inner: &mut dyn FnMut(&'t [Statement])) {
+        match &self.kind {
+            StatementKind::Version(number) => see(number),
+            StatementKind::Scene { name: _, fields } => fields.iter().for_each(|field| see(&field.value)),
+            StatementKind::Use { .. } | StatementKind::Allow { .. } => {}
+            StatementKind::Declaration { kind: _, name: _, params, value, with } => {
+                params.iter().flatten().filter_map(|param| param.default.as_ref()).for_each(&mut *see);
+                see(value);
+                with.iter().for_each(see);
+            }
+            StatementKind::Group { name: _, params, body } => {
+                params.iter().filter_map(|param| param.default.as_ref()).for_each(see);
+                inner(body);
+            }
+            StatementKind::Parameter { name: _, ty: _, default, range } => {
+                see(default);
+                range.iter().for_each(see);
+            }
+            StatementKind::For { clauses, body } => {
+                clauses.iter().for_each(|clause| see(&clause.over));
+                inner(body);
+            }
+            StatementKind::If { branches, otherwise } => {
+                for (condition, body) in branches {
+                    see(condition);
+                    inner(body);
+                }
+                inner(otherwise);
+            }
+        }
+    }
+}

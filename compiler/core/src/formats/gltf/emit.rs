@@ -12,7 +12,7 @@ use crate::formats::shared::camera;
 use crate::formats::shared::names::file_stem;
 use crate::formats::shared::text::{self, Head};
 use crate::ir::{
-    Affine, Bsdf, Camera, Emission as Light, Film, Filter, Group, Handle, Instance, Integrator, Material, Mesh,
+    Affine, Axes, Bsdf, Camera, Emission as Light, Film, Filter, Group, Handle, Instance, Integrator, Material, Mesh,
     Sampler, Scene, Shape,
 };
 
@@ -246,7 +246,7 @@ fn thickness(mesh: &Mesh) -> f64 {
 /// A camera looks along its node's -z with y up.
 fn camera_node(camera: &Camera) -> doc::Node {
     let name = camera.name.clone().unwrap_or_else(|| "camera".to_owned());
-    let matrix = camera::axes(camera).map(|camera::Axes { right, up, forward }| {
+    let matrix = camera.axes().map(|Axes { right, up, forward }| {
         let [x, y, z] = camera.eye;
         names::matrix(&Affine {
             rows: [

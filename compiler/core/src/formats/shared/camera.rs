@@ -1,6 +1,6 @@
 //! What the targets need to know of a camera beyond what the Scene says: the other angle of view, axes, clipping.
 
-use crate::ir::{Affine, Camera, Film, Instance, Scene, Shape, Vec3, cross, dot, length, normalized, sub};
+use crate::ir::{Affine, Camera, Film, Instance, Scene, Shape, Vec3, dot, length, sub};
 
 /// The vertical full angle of view in degrees, `2 atan(tan(fov_x / 2) height / width)`; exactly `fov_x` for a square.
 pub fn fov_y(fov_x: f64, film: &Film) -> f64 {
@@ -10,24 +10,6 @@ pub fn fov_y(fov_x: f64, film: &Film) -> f64 {
     }
     let half = libm::tan(fov_x.to_radians() / 2.0) * f64::from(*height) / f64::from(*width);
     (2.0 * libm::atan(half)).to_degrees()
-}
-
-/// The unit axes of a camera: right, up and forward, so that right x up = -forward.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Axes {
-    /// To the right of the image.
-    pub right: Vec3,
-    /// To the top of the image.
-    pub up: Vec3,
-    /// Along the optical axis.
-    pub forward: Vec3,
-}
-
-/// The axes of `camera`; none where its directions are degenerate, which validation refuses.
-pub fn axes(camera: &Camera) -> Option<Axes> {
-    let forward = normalized(sub(camera.target, camera.eye))?;
-    let right = normalized(cross(forward, normalized(camera.up)?))?;
-    Some(Axes { right, up: cross(right, forward), forward })
 }
 
 /// The distance from `camera`'s eye to the farthest corner of the scene's bounding box; 0 for an empty scene.
@@ -129,10 +111,10 @@ mod tests {
 
     #[test]
     fn the_axes_are_right_handed() {
-        let axes = axes(&camera()).expect("a regular camera");
+        let axes = camera().axes().expect("a regular camera");
         assert_eq!(axes.right, [1.0, 0.0, 0.0]);
         assert_eq!((axes.up, axes.forward), ([0.0, 0.0, 1.0], [0.0, 1.0, 0.0]));
-        assert!(super::axes(&Camera { up: [0.0, 3.0, 0.0], ..camera() }).is_none());
+        assert!(Camera { up: [0.0, 3.0, 0.0], ..camera() }.axes().is_none());
     }
 
     #[test]
