@@ -22,7 +22,6 @@ const BEYOND_TEXT: &[(&str, &str)] = &[
     ("loss-baked", "emit, not lint: see `cli`"),
     ("loss-dropped", "emit, not lint: see `cli`"),
     ("invalid-scene", "emit, not lint: see `cli`"),
-    ("reflectance-over-one", "emit, not lint: see `cli`"),
     ("not-text", "binary input: see `cli`"),
     ("step-limit", "takes seconds: see `cli`"),
     ("unknown-parameter", "the command line: see `cli`"),

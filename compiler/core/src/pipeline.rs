@@ -73,12 +73,11 @@ fn suppress(linted: &mut [Finding], allows: &[Allow], complete: bool) -> Vec<Fin
         if lint::find(&allow.id).is_none() {
             let similar = crate::diag::nearest(&allow.id, lint::RULES.iter().map(|rule| rule.id));
             let message = format!("there is no rule `{}`", allow.id);
-            let known: Vec<&str> = lint::RULES.iter().map(|rule| rule.id).collect();
-            findings.push(
-                Finding::warn("unknown-rule", allow.span, message)
-                    .note(format!("known are {}", known.join(", ")))
-                    .maybe_help(similar.map(|id| format!("did you mean `{id}`?"))),
-            );
+            let finding = Finding::warn("unknown-rule", allow.span, message);
+            findings.push(match similar {
+                Some(id) => finding.help(format!("did you mean `{id}`?")),
+                None => finding.help("`ltsc explain` lists the rules"),
+            });
             continue;
         }
         let mut used = false;

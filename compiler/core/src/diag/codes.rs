@@ -116,10 +116,6 @@ pub const CODES: &[Code] = &[
     code("number-range", "A number is too large for double precision."),
     code("parameter-range", "The value of a scene's parameter lies outside its range."),
     code(
-        "reflectance-over-one",
-        "A surface reflects more light than it receives.\nRenderers clamp it, reject it, or run away, each in its own way.",
-    ),
-    code(
         "reversed-range",
         "A range runs backwards, or an interval is empty.\nRanges contain both ends: `0..8` are nine numbers.",
     ),

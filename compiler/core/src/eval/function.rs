@@ -214,9 +214,8 @@ impl Interpreter<'_> {
             }
         }
         for (text, span, called) in names.found {
-            if captured.contains_key(&text) {
-            } else if let Some(value) = scope.get(&text) {
-                captured.insert(text, value.clone());
+            if let Some(value) = scope.get(&text) {
+                captured.entry(text).or_insert_with(|| value.clone());
             } else if called && table::find(&text, None).is_some()
                 || !called && matches!(text.as_str(), "X" | "Y" | "Z" | "PI")
             {

@@ -68,6 +68,16 @@ impl LightPaths {
         Ok(Self { form, full })
     }
 
+    /// A text without what does not count: two texts of one form are equal in it.
+    pub fn canonical(text: &str) -> String {
+        text.chars().filter(|letter| !letter.is_whitespace()).collect()
+    }
+
+    /// Whether the class is one of whole paths, from the light to the eye, and not of parts.
+    pub fn is_whole(&self) -> bool {
+        self.form.begins() && self.form.ends()
+    }
+
     /// Whether local sampling finds every path of the class, where lights are of `kind` and the camera is a pinhole.
     pub fn is_found_by_local_sampling(&self, kind: LightKind) -> bool {
         let mut machine = Machine { full: self.full, kind };
@@ -77,6 +87,26 @@ impl LightPaths {
 }
 
 impl Form {
+    /// Whether every path begins at a light.
+    fn begins(&self) -> bool {
+        match self {
+            Self::Letter(letter, _) => *letter == 'L',
+            Self::Sequence(parts) => parts.first().is_some_and(Self::begins),
+            Self::Either(ways) => ways.iter().all(Self::begins),
+            Self::Repeated(..) => false,
+        }
+    }
+
+    /// Whether every path ends at an eye.
+    fn ends(&self) -> bool {
+        match self {
+            Self::Letter(letter, _) => *letter == 'E',
+            Self::Sequence(parts) => parts.last().is_some_and(Self::ends),
+            Self::Either(ways) => ways.iter().all(Self::ends),
+            Self::Repeated(..) => false,
+        }
+    }
+
     /// `L` stands first and `E` last, if at all.
     fn check_ends(&self, first: bool, last: bool) -> Result<(), LightPathError> {
         match self {
@@ -274,6 +304,8 @@ mod tests {
         assert!(!found("LSD S+ D S DSE", LightKind::Area));
         assert!(found("L(S|D)DE", LightKind::Point) && !found("L(SDS|D)E", LightKind::Point), "every path counts");
         assert!(found("LGGE", LightKind::Point));
+        let whole = |text: &str| LightPaths::parse(text).is_ok_and(|class| class.is_whole());
+        assert!(whole("LDE") && whole("(LD|LS)(DE|SE)") && !whole("SDS") && !whole("LD") && !whole("(LD|S)E"));
     }
 
     proptest! {

@@ -2,10 +2,19 @@
 //!
 //! A rule is a file with its page (`DOC`), and a line in [`RULES`].
 
+mod black_surface;
+mod long_brief;
+mod many_materials;
 mod missing_normals;
+mod one_sided_similar;
+mod outside_not_air;
+mod reflectance_over_one;
 mod rough_too_small;
+mod same_paths;
 mod smooth_emitter;
 mod undocumented_scene;
+mod unknown_similar;
+mod unreachable_paths;
 mod unused_name;
 
 use std::cell::OnceCell;
@@ -117,8 +126,22 @@ impl<'a> Subject<'a> {
 }
 
 /// All rules, by name.
-pub static RULES: &[Rule] =
-    &[missing_normals::RULE, rough_too_small::RULE, smooth_emitter::RULE, undocumented_scene::RULE, unused_name::RULE];
+pub static RULES: &[Rule] = &[
+    black_surface::RULE,
+    long_brief::RULE,
+    many_materials::RULE,
+    missing_normals::RULE,
+    one_sided_similar::RULE,
+    outside_not_air::RULE,
+    reflectance_over_one::RULE,
+    rough_too_small::RULE,
+    same_paths::RULE,
+    smooth_emitter::RULE,
+    undocumented_scene::RULE,
+    unknown_similar::RULE,
+    unreachable_paths::RULE,
+    unused_name::RULE,
+];
 
 /// Levels that differ from the built-in ones, by code.
 pub type Levels = BTreeMap<String, Level>;
@@ -139,12 +162,13 @@ impl Report {
         &mut self.findings[last]
     }
 
-    /// Findings of one place become one: a loop may make a thousand shapes from one statement.
-    fn merged(self) -> Vec<Finding> {
+    /// Findings of one place become one: a loop may make a thousand shapes from one statement. Those about the scene as a
+    /// whole, whose place is `scene`, stay apart.
+    fn merged(self, scene: &Origin) -> Vec<Finding> {
         let mut first: BTreeMap<Origin, usize> = BTreeMap::new();
         let mut merged: Vec<(Finding, usize)> = Vec::new();
         for finding in self.findings {
-            if finding.origin == Origin::Made {
+            if finding.origin == Origin::Made || finding.origin == *scene {
                 merged.push((finding, 0));
                 continue;
             }
@@ -189,7 +213,7 @@ pub fn lint(scene: &Scene, around: &Around, levels: &Levels, targets: &[&str]) -
         }
         let mut report = Report { id: rule.id, severity: level.severity(), findings: Vec::new() };
         (rule.check)(&subject, &mut report);
-        findings.extend(report.merged());
+        findings.extend(report.merged(&scene.origin));
     }
     findings.sort_by_key(|finding| finding.origin.span());
     findings

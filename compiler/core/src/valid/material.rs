@@ -1,6 +1,6 @@
 //! Materials: parameters in the ranges that [`Bsdf`] documents.
 
-use crate::diag::{Finding, Origin, Severity};
+use crate::diag::{Finding, Origin};
 use crate::ir::{Bsdf, Color, Material, Scene};
 
 use super::fits;
@@ -33,15 +33,6 @@ struct Checker<'a> {
 impl Checker<'_> {
     fn reflectance(&mut self, color: &Color) {
         self.color("reflectance", color, "0 or more", |x| x >= 0.0);
-        if color.rgb().iter().any(|x| x.is_finite() && *x > 1.0) {
-            let message = format!("material `{}` reflects more light than it receives", self.name.escape_debug());
-            self.findings.push(
-                Finding::new("reflectance-over-one", Severity::Deny, self.origin.clone(), message)
-                    .label(format!("the largest channel is {}", color.max()))
-                    .note("light grows with every bounce, so the image depends on the depth limit of the renderer")
-                    .help("reflectances lie between 0 and 1; scale the radiance of the emitters instead"),
-            );
-        }
     }
 
     fn alpha(&mut self, alpha: f64) {

@@ -51,8 +51,7 @@ impl Valid {
 /// Checks everything an emitter relies on; all findings, not the first.
 ///
 /// # Errors
-/// Findings of severity `Error` (`invalid-...`: the scene is malformed) and `Deny` (`reflectance-over-one`: it is
-/// well-formed, but no physical scene). A scene with either is not valid.
+/// Findings of severity `Error` (`invalid-...`: the scene is malformed).
 pub fn validate(scene: Scene) -> Result<Valid, Vec<Finding>> {
     let mut findings = Vec::new();
     names::check(&scene, &mut findings);

@@ -1,0 +1,62 @@
+//! Rule `many-materials`: few kinds of scattering in one scene.
+#![doc = include_str!("many_materials.md")]
+
+use super::{Level, Report, Rule, Subject};
+
+use std::collections::BTreeMap;
+
+use crate::diag::Origin;
+use crate::ir::Bsdf;
+
+pub(super) const RULE: Rule = Rule {
+    id: "many-materials",
+    level: Level::Warn,
+    summary: "A scene has more than four kinds of scattering, and isolates none.",
+    doc: include_str!("many_materials.md"),
+    targets: &[],
+    check,
+};
+
+/// The most kinds of scattering in one scene.
+const KINDS: usize = 4;
+
+fn check(subject: &Subject<'_>, report: &mut Report) {
+    let scene = subject.scene;
+    let mut kinds: BTreeMap<&str, &Origin> = BTreeMap::new();
+    for (_, shape) in scene.surfaces().filter(|(_, shape)| shape.material.index() < scene.materials.len()) {
+        let kind = kind(&scene.materials[shape.material].bsdf);
+        kinds.entry(kind).or_insert(scene.materials.origin(shape.material));
+    }
+    if kinds.len() <= KINDS {
+        return;
+    }
+    let list: Vec<&str> = kinds.keys().copied().collect();
+    report.add(
+        &scene.origin,
+        format!("the scene has {} kinds of scattering", kinds.len()),
+        "this scene",
+        &format!("they are {}; a difference between renderers cannot be told apart by them", list.join(", ")),
+        format!("keep at most {KINDS}, or make two scenes"),
+    );
+}
+
+fn kind(bsdf: &Bsdf) -> &'static str {
+    match bsdf {
+        Bsdf::Diffuse { reflectance: _ } => "diffuse",
+        Bsdf::Conductor { eta: _, k: _, alpha } => {
+            if *alpha == 0.0 {
+                "smooth conductor"
+            } else {
+                "rough conductor"
+            }
+        }
+        Bsdf::Dielectric { interior: _, exterior: _, alpha } => {
+            if *alpha == 0.0 {
+                "smooth dielectric"
+            } else {
+                "rough dielectric"
+            }
+        }
+        Bsdf::Mirror { reflectance: _ } => "mirror",
+    }
+}

@@ -1,0 +1,31 @@
+//! Rule `reflectance-over-one`: surfaces reflect at most what they receive.
+#![doc = include_str!("reflectance_over_one.md")]
+
+use super::{Level, Report, Rule, Subject};
+use crate::ir::Bsdf;
+
+pub(super) const RULE: Rule = Rule {
+    id: "reflectance-over-one",
+    level: Level::Deny,
+    summary: "A surface reflects more light than it receives.",
+    doc: include_str!("reflectance_over_one.md"),
+    targets: &[],
+    check,
+};
+
+fn check(subject: &Subject<'_>, report: &mut Report) {
+    let scene = subject.scene;
+    for (handle, material) in scene.materials.iter() {
+        let (Bsdf::Diffuse { reflectance } | Bsdf::Mirror { reflectance }) = &material.bsdf else { continue };
+        if reflectance.max() <= 1.0 {
+            continue;
+        }
+        report.add(
+            scene.materials.origin(handle),
+            format!("the material `{}` reflects more light than it receives", material.name),
+            &format!("the largest channel is {}", reflectance.max()),
+            "light grows with every bounce, so the image depends on the depth limit; Mitsuba 0.x scales it down, PBRT v4 refuses the file",
+            "reflectances lie between 0 and 1; scale the radiance of the emitters instead".to_owned(),
+        );
+    }
+}

@@ -1,0 +1,35 @@
+//! Rule `unreachable-paths`: the light paths of a scene can be found.
+#![doc = include_str!("unreachable_paths.md")]
+
+use super::{Level, Report, Rule, Subject};
+use crate::ir::{LightKind, LightPaths};
+
+pub(super) const RULE: Rule = Rule {
+    id: "unreachable-paths",
+    level: Level::Warn,
+    summary: "No algorithm of local sampling finds the light paths that a scene tests.",
+    doc: include_str!("unreachable_paths.md"),
+    targets: &[],
+    check,
+};
+
+fn check(subject: &Subject<'_>, report: &mut Report) {
+    let scene = subject.scene;
+    // A scene with one area light at least is judged as one with area lights: its paths say nothing of which light they mean.
+    let area = scene.surfaces().any(|(_, shape)| shape.emission.is_some());
+    let kind = if area { LightKind::Area } else { LightKind::Point };
+    for text in &scene.documentation.paths {
+        let Ok(class) = LightPaths::parse(text) else { continue };
+        if !class.is_whole() || class.is_found_by_local_sampling(kind) {
+            continue;
+        }
+        report.add(
+            &scene.origin,
+            format!("paths of the class `{text}` are found by no local sampling"),
+            "this scene",
+            "in full form some of them have no two neighbouring `D`: path tracing, light tracing and bidirectional path tracing \
+             leave them black, photon mapping blurs them (Veach 1997, section 8.3.4)",
+            "give the light an extent, or leave the class out of `paths`".to_owned(),
+        );
+    }
+}
