@@ -38,6 +38,7 @@ fn good() -> Scene {
         meshes,
         materials,
         shapes,
+        lights: Arena::default(),
         groups: Arena::default(),
         instances: Arena::default(),
         cameras,

@@ -37,6 +37,13 @@ const CORRELATED: Support = Support::approximate(
     "up to 1 % per tile at `alpha` 0.5, up to 3 % brighter at 1 (rs_pbrt 0.9.12 against Mitsuba 3.9.1)",
 );
 
+const PHOTONS: Support = Support::approximate(
+    "PBRT bounds a photon's path and the camera's path each by itself",
+    "exact for diffuse surfaces and depths from 2 on; behind specular surfaces paths of up to twice the depth; as photon \
+     mapping is, consistent and not unbiased: blurred over at first five pixels' share of the scene's radius, less with \
+     each pass (`sppm.cpp`)",
+);
+
 fn supports_v4(feature: Feature) -> Support {
     use Support::Exact;
     match feature {
@@ -48,6 +55,9 @@ fn supports_v4(feature: Feature) -> Support {
         | Feature::ThinnerInside
         | Feature::BlackEmitter
         | Feature::ScatteringEmitter
+        | Feature::Environment
+        | Feature::PointLight
+        | Feature::DirectionalLight
         | Feature::VertexNormals
         | Feature::NoNormals
         | Feature::TextureCoordinates
@@ -61,9 +71,21 @@ fn supports_v4(feature: Feature) -> Support {
         | Feature::GaussianFilter
         | Feature::CutGaussianFilter
         | Feature::Path
+        | Feature::Bidirectional
+        | Feature::Metropolis
         | Feature::EmissionOnly
         | Feature::IndirectLight
-        | Feature::IndependentSampler => Exact,
+        | Feature::IndependentSampler
+        | Feature::SobolSampler => Exact,
+        Feature::LightTracing => Support::approximate(
+            "pbrt-v4's `lightpath` does not show an environment seen directly",
+            "exact where no environment is in view (`LightPathIntegrator::EvaluatePixelSample`)",
+        ),
+        Feature::PhotonMap => PHOTONS,
+        Feature::SobolForLightPaths => Support::approximate(
+            "pbrt-v4's `mlt` and the photons of its `sppm` take random numbers of their own",
+            "other noise, the same expected image; exact for `lightpath`",
+        ),
         Feature::ColouredDiffuse => Support::approximate(
             "pbrt-v4 is always spectral: an RGB reflectance becomes a smooth spectrum",
             "one bounce to 0.1 %; a Cornell box with saturated walls 1.008, 0.995, 1.000 in its mean R, G, B, dark \
@@ -119,6 +141,9 @@ fn supports_v3(feature: Feature) -> Support {
         | Feature::BlackEmitter
         | Feature::ScatteringEmitter
         | Feature::ColouredEmitter
+        | Feature::Environment
+        | Feature::PointLight
+        | Feature::DirectionalLight
         | Feature::VertexNormals
         | Feature::NoNormals
         | Feature::TextureCoordinates
@@ -132,6 +157,8 @@ fn supports_v3(feature: Feature) -> Support {
         | Feature::GaussianFilter
         | Feature::CutGaussianFilter
         | Feature::Path
+        | Feature::Bidirectional
+        | Feature::Metropolis
         | Feature::EmissionOnly
         | Feature::IndirectLight
         | Feature::IndependentSampler => Exact,
@@ -154,6 +181,17 @@ fn supports_v3(feature: Feature) -> Support {
              shadowing are height-correlated",
             "a Cornell box with a block of rough glass 0.94 in its mean at `alpha` 0.1, 0.96 at 0.3 (rs_pbrt 0.9.12 \
              against Mitsuba 3.9.1); PBRT v3 itself was not measured",
+        ),
+        Feature::LightTracing => {
+            Support::unsupported("PBRT v3 has no light tracing; path tracing of the same depth stands for it")
+        }
+        Feature::PhotonMap => PHOTONS,
+        Feature::SobolSampler => Support::approximate(
+            "PBRT v3 raises the number of samples to the next power of 2",
+            "exact for powers of 2; less noise for others (`sobol.h`)",
+        ),
+        Feature::SobolForLightPaths => Support::unsupported(
+            "PBRT v3's `mlt` takes independent random numbers and its `sppm` a Halton sequence: the same expected image",
         ),
         Feature::ClippingPlanes => NO_CLIPPING,
         Feature::SeveralCameras => super::ONE_CAMERA,
