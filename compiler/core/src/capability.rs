@@ -490,6 +490,38 @@ mod tests {
     }
 
     #[test]
+    fn lights_and_algorithms_are_asked_for() {
+        let mut scene = sample::empty("s");
+        let kinds = [
+            LightKind::Environment { radiance: Color::Grey(1.0) },
+            LightKind::Point { position: [0.0; 3], intensity: Color::Grey(1.0) },
+            LightKind::Directional { direction: [0.0, 0.0, -1.0], irradiance: Color::Rgb([1.0, 2.0, 3.0]) },
+        ];
+        for kind in kinds {
+            scene.lights.push(LightSource { name: "l".to_owned(), kind }, crate::diag::Origin::Made);
+        }
+        scene.sampler = Sampler::Sobol { samples: 4, seed: 1 };
+        let light = [Feature::ColouredEmitter, Feature::Environment, Feature::PointLight, Feature::DirectionalLight];
+        let rest = [Feature::Path, Feature::IndirectLight, Feature::SobolSampler, Feature::Seed];
+        let of = |scene: &Scene| {
+            let mut found = asks(scene);
+            found.retain(|feature| light.contains(feature) || (*feature >= Feature::Path && *feature <= Feature::Seed));
+            found
+        };
+        assert_eq!(of(&scene), [light, rest].concat());
+        let all = [
+            (Integrator::Bidirectional { max_depth: 1 }, Feature::Bidirectional, Feature::SobolSampler),
+            (Integrator::LightTracing { max_depth: 1 }, Feature::LightTracing, Feature::SobolForLightPaths),
+            (Integrator::Metropolis { max_depth: 1 }, Feature::Metropolis, Feature::SobolForLightPaths),
+            (Integrator::PhotonMap { max_depth: 1 }, Feature::PhotonMap, Feature::SobolForLightPaths),
+        ];
+        for (integrator, feature, sampler) in all {
+            scene.integrator = integrator;
+            assert_eq!(of(&scene)[4..], [feature, Feature::EmissionOnly, sampler, Feature::Seed]);
+        }
+    }
+
+    #[test]
     fn the_first_place_is_kept() {
         let mut sources = Sources::default();
         let file = sources.add("a.lts", "ab");

@@ -404,9 +404,13 @@ impl Interpreter<'_> {
             .label(kind);
         self.report(match refusal {
             Refusal::Silent => return Err(Reported),
-            Refusal::Type if light && matches!(ty, Ty::Mesh | Ty::Placeable) => mismatch
-                .note("lights without a surface are not moved by stages")
-                .help("give the light the position or direction that it is to have, or put a point light into a group"),
+            Refusal::Type if light && matches!(ty, Ty::Mesh | Ty::Placeable) => Finding::error(
+                "type-mismatch",
+                expr.span,
+                "stages move meshes and groups, not lights",
+            )
+            .label(kind)
+            .help("give the light the position or direction that it is to have, or put a point light into a group"),
             Refusal::Type => mismatch,
             Refusal::Unit(n) => Finding::error(
                 "missing-unit",

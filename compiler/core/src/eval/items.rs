@@ -134,6 +134,10 @@ impl Interpreter<'_> {
             self.light(module, name, light, with, span);
             return;
         }
+        // What was meant for a light must not be told to have a surface.
+        if bare && found.is_err() {
+            return;
+        }
         let mesh = found.and_then(|found| match found {
             Value::Mesh(mesh) => Ok(rename_made(mesh, name)),
             Value::Light(light) => self.report(

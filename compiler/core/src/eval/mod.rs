@@ -150,3 +150,6 @@ struct Interpreter<'f> {
     /// Parameters met.
     scene_parameters: Vec<SceneParameter>,
 }
+
+#[cfg(test)]
+mod tests;

@@ -101,6 +101,41 @@ fn meshes() {
     assert!(findings[0].message.contains("triangle 0 uses a vertex that is not there, and 1 more (there are 24)"));
 }
 
+fn light(kind: LightKind) -> impl FnOnce(&mut Scene) {
+    move |scene| {
+        let name = "l".to_owned();
+        scene.lights.push(LightSource { name, kind }, Origin::File { path: "a".to_owned(), place: "light".to_owned() });
+    }
+}
+
+#[test]
+fn lights() {
+    let at = ("invalid-light", "light".to_owned());
+    let grey = Color::Grey;
+    let point = |position, intensity| light(LightKind::Point { position, intensity });
+    let directional = |direction, irradiance| light(LightKind::Directional { direction, irradiance });
+    let environment = |radiance| light(LightKind::Environment { radiance });
+    assert_eq!(only(point([f64::NAN, 0.0, 0.0], grey(1.0))), at);
+    assert_eq!(only(point([0.0; 3], Color::Rgb([1.0, -1.0, 1.0]))), at);
+    assert_eq!(only(directional([0.0, 0.0, 2.0], grey(1.0))), at);
+    assert_eq!(only(directional([f64::NAN, 0.0, 1.0], grey(1.0))), at);
+    assert_eq!(only(environment(grey(f64::INFINITY))), at);
+    assert_eq!(with(point([0.0; 3], Color::BLACK)), []);
+    let twice = |scene: &mut Scene| {
+        environment(grey(1.0))(scene);
+        environment(grey(2.0))(scene);
+        let (_, second) = scene.lights.iter_mut().last().expect("two");
+        second.name = "m".to_owned();
+    };
+    assert_eq!(only(twice).0, "second-environment");
+    // The good scene has an emitter called `a`.
+    let same = |scene: &mut Scene| {
+        environment(grey(1.0))(scene);
+        scene.lights.iter_mut().next().expect("one").1.name = "a".to_owned();
+    };
+    assert_eq!(only(same).0, "invalid-name");
+}
+
 #[test]
 fn materials() {
     let at = ("invalid-material", "material".to_owned());

@@ -22,7 +22,12 @@ pub(super) const ROWS: &[Constructor] = &[
         name: "point",
         summary: "A point that sends the same light in all directions.",
         params: &[
-            Parameter { name: "position", ty: Ty::Vec3, default: None, doc: "where it is" },
+            Parameter {
+                name: "position",
+                ty: Ty::Vec3,
+                default: None,
+                doc: "where it is; in a group it moves with it, and its intensity stays",
+            },
             Parameter {
                 name: "intensity",
                 ty: Ty::Color,
