@@ -61,6 +61,10 @@ pub enum Feature {
     Environment,
     /// A point light.
     PointLight,
+    /// A spot light.
+    SpotLight,
+    /// A spot light without a sharp edge.
+    SoftSpotLight,
     /// A directional light.
     DirectionalLight,
     /// A mesh with a normal at each vertex.
@@ -136,6 +140,8 @@ impl Feature {
         Self::ColouredEmitter,
         Self::Environment,
         Self::PointLight,
+        Self::SpotLight,
+        Self::SoftSpotLight,
         Self::DirectionalLight,
         Self::VertexNormals,
         Self::NoNormals,
@@ -185,6 +191,8 @@ impl Feature {
             Self::ColouredEmitter => "a coloured emitter",
             Self::Environment => "a constant environment",
             Self::PointLight => "a point light",
+            Self::SpotLight => "a spot light",
+            Self::SoftSpotLight => "a spot light with a soft edge",
             Self::DirectionalLight => "a directional light",
             Self::VertexNormals => "a mesh with normals",
             Self::NoNormals => "a mesh without normals",
@@ -297,6 +305,10 @@ pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
         let feature = match kind {
             LightKind::Environment { radiance: _ } => Feature::Environment,
             LightKind::Point { position: _, intensity: _ } => Feature::PointLight,
+            LightKind::Spot { position: _, target: _, intensity: _, angle, inner } => {
+                asked.add_if(inner < angle, Feature::SoftSpotLight, place);
+                Feature::SpotLight
+            }
             LightKind::Directional { direction: _, irradiance: _ } => Feature::DirectionalLight,
         };
         asked.add(feature, place);
@@ -496,19 +508,33 @@ mod tests {
             LightKind::Environment { radiance: Color::Grey(1.0) },
             LightKind::Point { position: [0.0; 3], intensity: Color::Grey(1.0) },
             LightKind::Directional { direction: [0.0, 0.0, -1.0], irradiance: Color::Rgb([1.0, 2.0, 3.0]) },
+            LightKind::Spot {
+                position: [0.0; 3],
+                target: [1.0; 3],
+                intensity: Color::Grey(1.0),
+                angle: 20.0,
+                inner: 15.0,
+            },
         ];
         for kind in kinds {
             scene.lights.push(LightSource { name: "l".to_owned(), kind }, crate::diag::Origin::Made);
         }
         scene.sampler = Sampler::Sobol { samples: 4, seed: 1 };
-        let light = [Feature::ColouredEmitter, Feature::Environment, Feature::PointLight, Feature::DirectionalLight];
+        let light = [
+            Feature::ColouredEmitter,
+            Feature::Environment,
+            Feature::PointLight,
+            Feature::SpotLight,
+            Feature::SoftSpotLight,
+            Feature::DirectionalLight,
+        ];
         let rest = [Feature::Path, Feature::IndirectLight, Feature::SobolSampler, Feature::Seed];
         let of = |scene: &Scene| {
             let mut found = asks(scene);
             found.retain(|feature| light.contains(feature) || (*feature >= Feature::Path && *feature <= Feature::Seed));
             found
         };
-        assert_eq!(of(&scene), [light, rest].concat());
+        assert_eq!(of(&scene), [&light[..], &rest[..]].concat());
         let all = [
             (Integrator::Bidirectional { max_depth: 1 }, Feature::Bidirectional, Feature::SobolSampler),
             (Integrator::LightTracing { max_depth: 1 }, Feature::LightTracing, Feature::SobolForLightPaths),
@@ -517,7 +543,7 @@ mod tests {
         ];
         for (integrator, feature, sampler) in all {
             scene.integrator = integrator;
-            assert_eq!(of(&scene)[4..], [feature, Feature::EmissionOnly, sampler, Feature::Seed]);
+            assert_eq!(of(&scene)[light.len()..], [feature, Feature::EmissionOnly, sampler, Feature::Seed]);
         }
     }
 

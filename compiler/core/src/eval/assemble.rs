@@ -299,6 +299,13 @@ fn place_lights(placed: &mut Arena<LightSource>, lights: &[Lit], instances: &[Pl
             LightKind::Point { position, intensity } => {
                 LightKind::Point { position: map.point(*position), intensity: *intensity }
             }
+            LightKind::Spot { position, target, intensity, angle, inner } => LightKind::Spot {
+                position: map.point(*position),
+                target: map.point(*target),
+                intensity: *intensity,
+                angle: *angle,
+                inner: *inner,
+            },
             // Groups hold neither; those of the scene are not moved.
             LightKind::Environment { radiance: _ } | LightKind::Directional { direction: _, irradiance: _ } => {
                 kind.clone()

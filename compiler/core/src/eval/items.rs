@@ -203,7 +203,8 @@ impl Interpreter<'_> {
         let everywhere = match kind {
             LightKind::Environment { radiance: _ } => Some("it shines from everywhere"),
             LightKind::Directional { direction: _, irradiance: _ } => Some("it shines from infinitely far away"),
-            LightKind::Point { position: _, intensity: _ } => None,
+            LightKind::Point { position: _, intensity: _ }
+            | LightKind::Spot { position: _, target: _, intensity: _, angle: _, inner: _ } => None,
         };
         if let Some(with) = with {
             self.findings.push(

@@ -89,3 +89,19 @@ fn a_light_may_be_a_value() {
     let names: Vec<&str> = found.iter().map(|light| light.name.as_str()).collect();
     assert_eq!(names, ["a[1]", "a[2]"]);
 }
+
+#[test]
+fn a_spot_turns_with_its_group() {
+    let found = lights(
+        "group stand {\n    emitter a = spot(position: (1, 0, 0), target: (2, 0, 0), intensity: 1, angle: 20deg)\n}\n\
+         instance stand = stand |> rotate(z: 90deg) |> translate(z: 5)\n\
+         emitter b = spot(position: (0, 0, 0), target: (2, 0, 0), intensity: 1, angle: 0.5rad, inner: 10deg)\n",
+    );
+    let near = |a: &[f64; 3], b: [f64; 3]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-12);
+    let LightKind::Spot { angle, inner, .. } = &found[0].kind else { panic!("{found:?}") };
+    assert!((angle - 0.5_f64.to_degrees()).abs() < 1e-12 && *inner == 10.0);
+    let LightKind::Spot { position, target, angle, inner, .. } = &found[1].kind else { panic!("{found:?}") };
+    assert!(near(position, [0.0, 1.0, 5.0]) && near(target, [0.0, 2.0, 5.0]), "{found:?}");
+    // Left out, the inner cone is the whole: a sharp edge.
+    assert_eq!((*angle, *inner), (20.0, 20.0));
+}

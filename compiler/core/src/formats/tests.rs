@@ -371,6 +371,13 @@ fn lit() -> Scene {
         LightKind::Environment { radiance: Color::Rgb([1.0, 2.0, 0.5]) },
         LightKind::Point { position: [1.0, -2.0, 3.5], intensity: Color::Grey(40.0) },
         LightKind::Directional { direction: [0.6, 0.0, -0.8], irradiance: Color::Rgb([3.0, 1.5, 0.0]) },
+        LightKind::Spot {
+            position: [0.0, -5.0, 6.0],
+            target: [0.0, 1.0, -2.0],
+            intensity: Color::Grey(9.0),
+            angle: 30.0,
+            inner: 24.0,
+        },
     ];
     for kind in kinds {
         let name = format!("--> \" {}", kind.word());
@@ -401,7 +408,20 @@ fn lights_in_every_target() {
             ],
         );
     }
+    for (target, cutoff, beam) in
+        [("mitsuba-3", "cutoff_angle", "beam_width"), ("mitsuba-0.6", "cutoffAngle", "beamWidth")]
+    {
+        let angles =
+            format!("<float name=\"{cutoff}\" value=\"30\"/> <float name=\"{beam}\" value=\"24\"/> </emitter>");
+        let at = "<lookat origin=\"0, -5, 6\" target=\"0, 1, -2\" up=\"1, 0, 0\"/>";
+        has(target, "description.xml", &[at, &angles, "<rgb name=\"intensity\" value=\"9, 9, 9\"/>"]);
+    }
     for (target, point) in [("pbrt-v3", "point"), ("pbrt-v4", "point3")] {
+        let spot = format!(
+            "LightSource \"spot\" \"{point} from\" [0 -5 6] \"{point} to\" [0 1 -2] \"rgb I\" [9 9 9] \"float coneangle\" [30] \
+             \"float conedeltaangle\" [6]"
+        );
+        has(target, "description.pbrt", &[&spot]);
         let distant =
             format!("LightSource \"distant\" \"{point} from\" [0 0 0] \"{point} to\" [0.6 0 -0.8] \"rgb L\" [3 1.5 0]");
         let near = format!("LightSource \"point\" \"{point} from\" [1 -2 3.5] \"rgb I\" [40 40 40]");
@@ -418,6 +438,8 @@ fn lights_in_every_target() {
              12.566370614359172 12.566370614359172 12.566370614359172",
             "scene.lights._directional.type = \"sharpdistant\" scene.lights._directional.direction = 0.6 0 -0.8 \
              scene.lights._directional.color = 3 1.5 0",
+            "scene.lights._spot.position = 0 -5 6 scene.lights._spot.target = 0 1 -2 scene.lights._spot.coneangle = 30 \
+             scene.lights._spot.conedeltaangle = 6 scene.lights._spot.color = 9 9 9 scene.lights._spot.gain = 1 1 1",
         ],
     );
     let gltf = text(&emitted("gltf", lit()), "cbox_classic.gltf");
@@ -438,6 +460,15 @@ fn lights_in_every_target() {
     let matrix: Vec<f64> = of(1)["matrix"].as_array().expect("a matrix").iter().filter_map(|x| x.as_f64()).collect();
     let close = matrix[8..11].iter().zip([-0.6, 0.0, 0.8]).all(|(a, b)| (a - b).abs() < 1e-12);
     assert!(close && matrix[12..15] == [0.0; 3], "{matrix:?}");
+    // (0, -5, 6) to (0, 1, -2) is (0, 0.6, -0.8) of length 10.
+    let matrix: Vec<f64> = of(2)["matrix"].as_array().expect("a matrix").iter().filter_map(|x| x.as_f64()).collect();
+    let wanted = [0.0, -0.6, 0.8, 0.0, 0.0, -5.0, 6.0];
+    assert!(matrix[8..15].iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{matrix:?}");
+    let cone = &lights[2]["spot"];
+    let close = |value: &serde_json::Value, wanted: f64| (value.as_f64().expect("a number") - wanted).abs() < 1e-12;
+    assert!(
+        close(&cone["outerConeAngle"], 30.0_f64.to_radians()) && close(&cone["innerConeAngle"], 24.0_f64.to_radians())
+    );
     // A scene without lights says nothing of them.
     assert!(!text(&emitted("gltf", sample::room()), "cbox_classic.gltf").contains("punctual"));
 }

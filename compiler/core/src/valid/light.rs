@@ -28,6 +28,15 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
                     fault("invalid-light", "its position is not finite, or beyond 1e30");
                 }
             }
+            LightKind::Spot { position, target, intensity: _, angle, inner } => {
+                let all = position.iter().chain(target);
+                if !all.copied().all(fits) || position == target {
+                    fault("invalid-light", "its position or target is not finite, beyond 1e30, or both are one");
+                }
+                if !(*angle > 0.0 && *angle <= 90.0 && (0.0..=*angle).contains(inner)) {
+                    fault("invalid-light", "its angles do not fulfil 0 <= inner <= angle <= 90 with an angle above 0");
+                }
+            }
             LightKind::Directional { direction, irradiance: _ } => {
                 // Rounded to single precision in renderers, which normalise it anew.
                 let off = (length(*direction) - 1.0).abs();

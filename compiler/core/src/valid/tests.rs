@@ -120,6 +120,15 @@ fn lights() {
     assert_eq!(only(directional([0.0, 0.0, 2.0], grey(1.0))), at);
     assert_eq!(only(directional([f64::NAN, 0.0, 1.0], grey(1.0))), at);
     assert_eq!(only(environment(grey(f64::INFINITY))), at);
+    let spot = |target, angle, inner| {
+        light(LightKind::Spot { position: [0.0; 3], target, intensity: grey(1.0), angle, inner })
+    };
+    assert_eq!(only(spot([0.0; 3], 20.0, 20.0)), at);
+    assert_eq!(only(spot([0.0, f64::NAN, 0.0], 20.0, 20.0)), at);
+    assert_eq!(only(spot([0.0, 0.0, 1.0], 20.0, 21.0)), at);
+    assert_eq!(only(spot([0.0, 0.0, 1.0], 91.0, 20.0)), at);
+    assert_eq!(only(spot([0.0, 0.0, 1.0], f64::NAN, 20.0)), at);
+    assert_eq!(with(spot([0.0, 0.0, 1.0], 90.0, 0.0)), []);
     assert_eq!(with(point([0.0; 3], Color::BLACK)), []);
     let twice = |scene: &mut Scene| {
         environment(grey(1.0))(scene);

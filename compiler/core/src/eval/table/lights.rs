@@ -44,6 +44,41 @@ pub(super) const ROWS: &[Constructor] = &[
     },
     Constructor {
         family: Family::Light,
+        name: "spot",
+        summary: "A point that sends light into a cone, with a sharp edge or one that falls off linearly with the angle.",
+        params: &[
+            Parameter {
+                name: "position",
+                ty: Ty::Vec3,
+                default: None,
+                doc: "where it is; in a group it moves with it, and its intensity and angles stay",
+            },
+            Parameter { name: "target", ty: Ty::Vec3, default: None, doc: "a point that the axis goes through" },
+            Parameter {
+                name: "intensity",
+                ty: Ty::Color,
+                default: None,
+                doc: "radiant intensity in W/sr within the inner cone, >= 0",
+            },
+            Parameter {
+                name: "angle",
+                ty: Ty::Angle,
+                default: None,
+                doc: "half of the cone's opening, above 0 and at most 90 degrees",
+            },
+            Parameter {
+                name: "inner",
+                ty: Ty::Angle,
+                default: Some(""),
+                doc: "half of the opening of the cone of full intensity, 0 to `angle`; left out it is `angle`, a sharp edge",
+            },
+        ],
+        positional: 0,
+        example: "emitter stage = spot(position: (0, -5, 6), target: (0, 0, 0), intensity: 200, angle: 20deg)",
+        build: |args, _| spot(args),
+    },
+    Constructor {
+        family: Family::Light,
         name: "directional",
         summary: "Parallel light from infinitely far away.",
         params: &[
@@ -71,6 +106,28 @@ pub(super) const ROWS: &[Constructor] = &[
         },
     },
 ];
+
+fn spot(args: &Args) -> Result<Value, Problem> {
+    let position = args.vec3("position").unwrap_or_default();
+    let target = args.vec3("target").unwrap_or_default();
+    if position == target {
+        return Err(Problem::new("target", "`target` equals `position`: the spot shines nowhere"));
+    }
+    let angle = args.number("angle").unwrap_or(0.0);
+    if !(angle > 0.0 && angle <= 90.0) {
+        return Err(Problem::new("angle", format!("`angle` is {angle} degrees, it must be above 0 and at most 90"))
+            .note("it is half of the cone's opening"));
+    }
+    let inner = args.number("inner").unwrap_or(angle);
+    if !(0.0..=angle).contains(&inner) {
+        return Err(Problem::new(
+            "inner",
+            format!("`inner` is {inner} degrees, it must lie between 0 and `angle`, {angle}"),
+        )
+        .note("both are halves of a cone's opening"));
+    }
+    light(LightKind::Spot { position, target, intensity: strength(args, "intensity")?, angle, inner })
+}
 
 fn light(kind: LightKind) -> Result<Value, Problem> {
     Ok(Value::Light(Rc::new(kind)))

@@ -43,6 +43,15 @@ pub struct Light {
     pub r#type: &'static str,
     pub color: [f64; 3],
     pub intensity: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spot: Option<Spot>,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Spot {
+    pub inner_cone_angle: f64,
+    pub outer_cone_angle: f64,
 }
 
 #[derive(Serialize)]

@@ -13,7 +13,7 @@ use crate::formats::shared::names::file_stem;
 use crate::formats::shared::text::{self, Head};
 use crate::ir::{
     Affine, Bsdf, Camera, Emission as Light, Film, Filter, Group, Handle, Instance, LightKind, LightSource, Material,
-    Mesh, Sampler, Scene, Shape,
+    Mesh, Sampler, Scene, Shape, sub,
 };
 
 /// Writes all files of the target.
@@ -258,11 +258,18 @@ fn thickness(mesh: &Mesh) -> f64 {
 fn light(source: &LightSource) -> Option<(doc::Light, doc::Node)> {
     let LightSource { name, kind } = source;
     let mut node = doc::Node { name: name.clone(), ..doc::Node::default() };
+    let mut spot = None;
     let kind_name = match kind {
         LightKind::Environment { radiance: _ } => return None,
         LightKind::Point { position, intensity: _ } => {
             place(&mut node, &Affine::translation(*position));
             "point"
+        }
+        LightKind::Spot { position, target, intensity: _, angle, inner } => {
+            place(&mut node, &names::aim(sub(*target, *position)).then(&Affine::translation(*position)));
+            let (inner_cone_angle, outer_cone_angle) = names::cone(*angle, *inner);
+            spot = Some(doc::Spot { inner_cone_angle, outer_cone_angle });
+            "spot"
         }
         LightKind::Directional { direction, irradiance: _ } => {
             place(&mut node, &names::aim(*direction));
@@ -270,7 +277,7 @@ fn light(source: &LightSource) -> Option<(doc::Light, doc::Node)> {
         }
     };
     let (color, intensity) = names::strength(kind.color());
-    Some((doc::Light { name: name.clone(), r#type: kind_name, color, intensity }, node))
+    Some((doc::Light { name: name.clone(), r#type: kind_name, color, intensity, spot }, node))
 }
 
 /// A camera looks along its node's -z with y up.

@@ -70,7 +70,11 @@ fn supports(feature: Feature) -> Support {
         Feature::Environment => Support::unsupported(
             "glTF has no constant environment: EXT_lights_image_based takes prefiltered images, and few programs read it",
         ),
-        Feature::PointLight | Feature::DirectionalLight => Support::approximate(
+        Feature::SoftSpotLight => Support::approximate(
+            "KHR_lights_punctual leaves the fall-off between the two cones to the program that draws",
+            "with the curve that it recommends up to 0.25 of the intensity less in that ring, with 0.7 to 1 of its light (computed)",
+        ),
+        Feature::PointLight | Feature::SpotLight | Feature::DirectionalLight => Support::approximate(
             "KHR_lights_punctual counts the intensity of a point in candela and that of a direction in lux",
             "the numbers are those of W/sr and W/m2, as those of emitters are those of W/(m2 sr): lights and emitters of a \
              scene keep their ratios",

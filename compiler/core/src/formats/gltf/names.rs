@@ -1,5 +1,6 @@
 //! The conventions of glTF 2.0 for numbers, from its specification and those of its extensions.
 
+use crate::formats::shared::camera::across;
 use crate::ir::{Affine, Color, Vec3, cross, normalized};
 
 /// `componentType` of 32-bit floats.
@@ -43,13 +44,16 @@ pub fn strength(color: &Color) -> ([f64; 3], f64) {
 /// A turn that takes -z to `direction`: lights of KHR_lights_punctual shine along their node's -z.
 pub fn aim(direction: Vec3) -> Affine {
     let back = normalized(direction.map(|x| -x)).unwrap_or([0.0, 0.0, 1.0]);
-    // The axis that is farthest from the direction.
-    let smallest = (0..3).min_by(|a, b| back[*a].abs().total_cmp(&back[*b].abs())).unwrap_or(0);
-    let mut other = [0.0; 3];
-    other[smallest] = 1.0;
-    let right = normalized(cross(other, back)).unwrap_or([1.0, 0.0, 0.0]);
+    let right = normalized(cross(across(back), back)).unwrap_or([1.0, 0.0, 0.0]);
     let up = cross(back, right);
     Affine { rows: [0, 1, 2].map(|axis| [right[axis], up[axis], back[axis], 0.0]) }
+}
+
+/// `innerConeAngle` and `outerConeAngle` of a spot in radians. They are halves of openings, and the inner one must be the
+/// smaller: a sharp edge becomes one of a millionth.
+pub fn cone(angle: f64, inner: f64) -> (f64, f64) {
+    let outer = angle.to_radians();
+    (inner.to_radians().min(outer * (1.0 - 1e-6)), outer)
 }
 
 /// `emissiveFactor` (0..1 per channel) and `emissiveStrength` (KHR_materials_emissive_strength), whose product is the
@@ -96,6 +100,9 @@ mod tests {
             assert!(there.iter().zip(direction).all(|(a, b)| (a - b).abs() < 1e-15), "{direction:?} {there:?}");
             assert!((turn.determinant() - 1.0).abs() < 1e-15, "a turn, not a mirror");
         }
+        let (inner, outer) = cone(90.0, 90.0);
+        assert!(inner < outer && outer == std::f64::consts::FRAC_PI_2 && inner > 0.999_99 * outer);
+        assert_eq!(cone(60.0, 0.0).0, 0.0);
         assert_eq!(strength(&Color::Rgb([3.0, 1.5, 0.0])), ([1.0, 0.5, 0.0], 3.0));
     }
 

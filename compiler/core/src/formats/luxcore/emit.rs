@@ -243,6 +243,17 @@ fn light_source(kind: &LightKind, id: &str, out: &mut dyn Write) -> io::Result<(
             put("power", "0")?;
             put("efficiency", "0")
         }
+        LightKind::Spot { position, target, intensity, angle, inner } => {
+            put("type", "\"spot\"")?;
+            put("position", &row(position))?;
+            put("target", &row(target))?;
+            put("coneangle", &Num(*angle).to_string())?;
+            put("conedeltaangle", &Num(angle - inner).to_string())?;
+            put("color", &rgb(intensity))?;
+            put("gain", "1 1 1")?;
+            put("power", "0")?;
+            put("efficiency", "0")
+        }
         LightKind::Directional { direction, irradiance } => {
             put("type", "\"sharpdistant\"")?;
             put("direction", &row(direction))?;

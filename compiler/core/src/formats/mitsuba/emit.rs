@@ -11,7 +11,7 @@ use crate::formats::shared::text::{self, Head, Xml, XmlComment};
 use crate::formats::{self, Emission};
 use crate::ir::{
     Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Group, Instance, Integrator, LightKind, LightSource,
-    Material, Mesh, Sampler, Scene, Shape,
+    Material, Mesh, Sampler, Scene, Shape, sub,
 };
 
 /// Writes all files of the target.
@@ -204,7 +204,7 @@ fn description(version: Version, scene: &Scene, meshes: &str, out: &mut dyn Writ
     for (light, id) in scene.lights.values().zip(&lights) {
         let LightSource { name, kind } = light;
         comment(name, id, out)?;
-        emitter(kind, id, out)?;
+        emitter(names, kind, id, out)?;
     }
     for (instance, id) in scene.instances.values().zip(&instances) {
         // The id says enough: thousands of comments would only make the file larger.
@@ -262,19 +262,31 @@ impl Surfaces<'_> {
 
 /// A light without a surface. `direction` is where the light goes, and `irradiance` that of a surface across it, in all
 /// versions (`directional.cpp` of 0.6 and 3.9.1; measured with 3.9.1).
-fn emitter(kind: &LightKind, id: &str, out: &mut dyn Write) -> io::Result<()> {
+fn emitter(names: &Names, kind: &LightKind, id: &str, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "\t<emitter type=\"{}\" id=\"{id}\">", plugin(kind))?;
-    let mut vector = |tag: &str, name: &str, [x, y, z]: [f64; 3]| {
+    let vector = |tag: &str, name: &str, [x, y, z]: [f64; 3], out: &mut dyn Write| {
         writeln!(out, "\t\t<{tag} name=\"{name}\" x=\"{}\" y=\"{}\" z=\"{}\"/>", Num(x), Num(y), Num(z))
     };
     match kind {
         LightKind::Environment { radiance } => rgb(out, 2, "radiance", radiance)?,
         LightKind::Point { position, intensity } => {
-            vector("point", "position", *position)?;
+            vector("point", "position", *position, out)?;
             rgb(out, 2, "intensity", intensity)?;
         }
+        LightKind::Spot { position, target, intensity, angle, inner } => {
+            let (cutoff, beam) = names.spot;
+            // The light shines along its z, and looks the same from all sides of it.
+            let up = camera::across(sub(*target, *position));
+            writeln!(out, "\t\t<transform name=\"{}\">", names.to_world)?;
+            let [from, to, up] = [position, target, &up].map(|vector| Row(vector, ", ").to_string());
+            writeln!(out, "\t\t\t<lookat origin=\"{from}\" target=\"{to}\" up=\"{up}\"/>")?;
+            writeln!(out, "\t\t</transform>")?;
+            rgb(out, 2, "intensity", intensity)?;
+            float(out, 2, cutoff, *angle)?;
+            float(out, 2, beam, *inner)?;
+        }
         LightKind::Directional { direction, irradiance } => {
-            vector("vector", "direction", *direction)?;
+            vector("vector", "direction", *direction, out)?;
             rgb(out, 2, "irradiance", irradiance)?;
         }
     }

@@ -61,6 +61,8 @@ fn supports(version: Version, feature: Feature) -> Support {
         | Feature::ColouredEmitter
         | Feature::Environment
         | Feature::PointLight
+        | Feature::SpotLight
+        | Feature::SoftSpotLight
         | Feature::DirectionalLight
         | Feature::VertexNormals
         | Feature::NoNormals

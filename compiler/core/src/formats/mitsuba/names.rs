@@ -50,6 +50,7 @@ pub fn emitter(kind: &LightKind) -> &'static str {
     match kind {
         LightKind::Environment { radiance: _ } => "constant",
         LightKind::Point { position: _, intensity: _ } => "point",
+        LightKind::Spot { position: _, target: _, intensity: _, angle: _, inner: _ } => "spot",
         LightKind::Directional { direction: _, irradiance: _ } => "directional",
     }
 }
@@ -92,6 +93,9 @@ pub struct Names {
     pub ext_eta: Option<&'static str>,
     /// Conductor: factor of the reflectance.
     pub specular_reflectance: &'static str,
+    /// Spot: half of the cone's opening, and of the part of full intensity, in degrees (`m_cosCutoffAngle` and
+    /// `m_cosBeamWidth` are cosines of the whole numbers in `spot.cpp` of 0.6 and 3.9.1).
+    pub spot: (&'static str, &'static str),
     /// Mesh: flat faces.
     pub face_normals: &'static str,
 }
@@ -114,6 +118,7 @@ static CAMEL: Names = Names {
     ext_ior: "extIOR",
     ext_eta: Some("extEta"),
     specular_reflectance: "specularReflectance",
+    spot: ("cutoffAngle", "beamWidth"),
     face_normals: "faceNormals",
 };
 
@@ -135,6 +140,7 @@ static SNAKE: Names = Names {
     ext_ior: "ext_ior",
     ext_eta: None,
     specular_reflectance: "specular_reflectance",
+    spot: ("cutoff_angle", "beam_width"),
     face_normals: "face_normals",
 };
 

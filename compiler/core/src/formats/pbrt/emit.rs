@@ -183,6 +183,16 @@ fn light(version: Version, kind: &LightKind, out: &mut dyn Write) -> io::Result<
             let from = Row(position, " ");
             writeln!(out, "LightSource \"point\" \"{point} from\" [{from}] \"rgb I\" [{}]", rgb(intensity))
         }
+        LightKind::Spot { position, target, intensity, angle, inner } => writeln!(
+            out,
+            "LightSource \"spot\" \"{point} from\" [{}] \"{point} to\" [{}] \"rgb I\" [{}] \"float coneangle\" [{}] \"float \
+             conedeltaangle\" [{}]",
+            Row(position, " "),
+            Row(target, " "),
+            rgb(intensity),
+            Num(*angle),
+            Num(angle - inner)
+        ),
         LightKind::Directional { direction, irradiance } => writeln!(
             out,
             "LightSource \"distant\" \"{point} from\" [0 0 0] \"{point} to\" [{}] \"rgb L\" [{}]",

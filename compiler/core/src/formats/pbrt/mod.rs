@@ -37,6 +37,18 @@ const CORRELATED: Support = Support::approximate(
     "up to 1 % per tile at `alpha` 0.5, up to 3 % brighter at 1 (rs_pbrt 0.9.12 against Mitsuba 3.9.1)",
 );
 
+const SOFT4: Support = Support::approximate(
+    "between the two cones pbrt-v4's spot rises as a smooth step of the cosine, not linearly with the angle",
+    "exact outside of that ring; in it up to 0.11 of the intensity more where it is narrow, with 1.03 of its light, up to 0.34 \
+     and 1.5 where `inner` is 0 (computed from `lights.cpp`)",
+);
+
+const SOFT3: Support = Support::approximate(
+    "between the two cones PBRT v3's spot rises with the fourth power of the cosine's share, not linearly with the angle",
+    "exact outside of that ring; in it up to 0.47 of the intensity less, with 0.4 to 0.6 of its light (computed from \
+     `spot.cpp`)",
+);
+
 const PHOTONS: Support = Support::approximate(
     "PBRT bounds a photon's path and the camera's path each by itself",
     "exact for diffuse surfaces and depths from 2 on; behind specular surfaces paths of up to twice the depth; as photon \
@@ -57,6 +69,7 @@ fn supports_v4(feature: Feature) -> Support {
         | Feature::ScatteringEmitter
         | Feature::Environment
         | Feature::PointLight
+        | Feature::SpotLight
         | Feature::DirectionalLight
         | Feature::VertexNormals
         | Feature::NoNormals
@@ -77,6 +90,7 @@ fn supports_v4(feature: Feature) -> Support {
         | Feature::IndirectLight
         | Feature::IndependentSampler
         | Feature::SobolSampler => Exact,
+        Feature::SoftSpotLight => SOFT4,
         Feature::LightTracing => Support::approximate(
             "pbrt-v4's `lightpath` does not show an environment seen directly",
             "exact where no environment is in view (`LightPathIntegrator::EvaluatePixelSample`)",
@@ -143,6 +157,7 @@ fn supports_v3(feature: Feature) -> Support {
         | Feature::ColouredEmitter
         | Feature::Environment
         | Feature::PointLight
+        | Feature::SpotLight
         | Feature::DirectionalLight
         | Feature::VertexNormals
         | Feature::NoNormals
@@ -182,6 +197,7 @@ fn supports_v3(feature: Feature) -> Support {
             "a Cornell box with a block of rough glass 0.94 in its mean at `alpha` 0.1, 0.96 at 0.3 (rs_pbrt 0.9.12 \
              against Mitsuba 3.9.1); PBRT v3 itself was not measured",
         ),
+        Feature::SoftSpotLight => SOFT3,
         Feature::LightTracing => {
             Support::unsupported("PBRT v3 has no light tracing; path tracing of the same depth stands for it")
         }

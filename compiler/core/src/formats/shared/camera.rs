@@ -30,6 +30,14 @@ pub fn axes(camera: &Camera) -> Option<Axes> {
     Some(Axes { right, up: cross(right, forward), forward })
 }
 
+/// The axis that is farthest from `direction`.
+pub fn across(direction: Vec3) -> Vec3 {
+    let smallest = (0..3).min_by(|a, b| direction[*a].abs().total_cmp(&direction[*b].abs())).unwrap_or(0);
+    let mut axis = [0.0; 3];
+    axis[smallest] = 1.0;
+    axis
+}
+
 /// The distance from `camera`'s eye to the farthest corner of the scene's bounding box; 0 for an empty scene.
 pub fn reach(scene: &Scene, camera: &Camera) -> f64 {
     let mut farthest = 0.0_f64;
