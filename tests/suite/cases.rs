@@ -13,6 +13,7 @@ const BEYOND_TEXT: &[(&str, &str)] = &[
     ("invalid-film", "an importer: the constructor refuses first"),
     ("invalid-group", "an importer: the evaluator counts and measures groups itself"),
     ("invalid-integrator", "an importer: the constructor refuses first"),
+    ("invalid-light", "an importer: the constructor refuses first"),
     ("invalid-material", "an importer: the constructor refuses first"),
     ("invalid-name", "an importer: the grammar refuses first"),
     ("invalid-shape", "an importer: handles of the evaluator are right by construction"),

@@ -103,6 +103,85 @@ fn settings_of_the_command_line_reach_the_files() {
 }
 
 #[test]
+fn every_target_looks_through_the_camera_asked_for() {
+    let (folder, path) = scene("one", "");
+    let named = "camera nave = perspective(eye: (0, -10, 2), target: (0, 0, 2), fov_x: 45deg)\n\
+                 camera above = perspective(eye: (0, 0, 77), target: (0, 0, 0), up: Y, fov_x: 45deg)\n";
+    let text = MINIMAL.replace("NAME", "one");
+    let text: String =
+        text.lines().filter(|line| !line.starts_with("camera")).map(|line| format!("{line}\n")).collect();
+    fs::write(&path, format!("{text}{named}")).expect("a write");
+    let emit = |target: &str, camera: &[&str]| {
+        let out = folder.path().join(format!("{target}-{}", camera.last().unwrap_or(&"default")));
+        let ran = run(ltsc().arg("emit").arg(&path).args(["--target", target, "-o"]).arg(&out).args(camera));
+        let other = |file: &String| ![".ply", ".bin", ".json"].iter().any(|ending| file.ends_with(ending));
+        let files = if out.exists() { files_below(&out) } else { Vec::new() };
+        let files = files.into_iter().filter(other);
+        let text: String = files.map(|file| fs::read_to_string(out.join(file)).expect("text")).collect();
+        (ran, text)
+    };
+    for target in ltsc_core::formats::TARGETS {
+        let (_, first) = emit(target.name, &[]);
+        let (_, nave) = emit(target.name, &["--camera", "nave"]);
+        let (ran, above) = emit(target.name, &["--camera", "above"]);
+        assert_eq!(ran.code, Some(0), "{}: {}", target.name, ran.err);
+        assert!(first == nave && first != above, "{}", target.name);
+        assert!(above.contains("77") && !first.contains("77"), "{}", target.name);
+    }
+    let (ran, text) = emit("pbrt-v4", &["--camera", "abov"]);
+    assert_eq!((ran.code, text.as_str()), (Some(2), ""), "{}", ran.err);
+    assert!(ran.err.contains("no camera `abov`") && ran.err.contains("did you mean `above`?"), "{}", ran.err);
+    let out = folder.path().join("a.exr");
+    let ran = run(ltsc().arg("render").arg(&path).args(["--renderer", "luxcore", "--camera", "x", "-o"]).arg(&out));
+    assert_eq!(ran.code, Some(2), "{}", ran.err);
+    assert!(ran.err.contains("it has nave, above") && !out.exists(), "{}", ran.err);
+}
+
+#[test]
+fn an_algorithm_that_a_target_lacks_is_replaced_with_a_finding_and_never_rendered() {
+    let (folder, path) = scene("one", "");
+    let text = MINIMAL.replace("NAME", "one").replace("path(max_depth: 3)", "light_tracing(max_depth: 3)");
+    fs::write(&path, text).expect("a write");
+    let out = folder.path().join("out");
+    let ran = run(ltsc().arg("emit").arg(&path).args(["--target", "pbrt-v3", "--format", "short", "-o"]).arg(&out));
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    assert!(ran.err.contains("loss-dropped") && ran.err.contains("light tracing"), "{}", ran.err);
+    let settings = fs::read_to_string(out.join("settings.pbrt")).expect("settings");
+    assert!(settings.contains("asks for `light_tracing`") && settings.contains("Integrator \"path\""), "{settings}");
+    // It is refused before any renderer is looked for.
+    let image = folder.path().join("a.exr");
+    let ran = run(ltsc().arg("render").arg(&path).args(["--renderer", "luxcore", "-o"]).arg(&image));
+    assert_eq!(ran.code, Some(2), "{}", ran.err);
+    assert!(ran.err.contains("luxcore has no light tracing") && ran.err.contains("`mitsuba-3`"), "{}", ran.err);
+    assert!(!image.exists());
+}
+
+#[test]
+fn settings_of_the_command_line_reach_every_algorithm() {
+    for (algorithm, depth, samples) in [
+        ("bidirectional", "\"bdpt\" \"integer maxdepth\" [4]", "pixelsamples\" [9]"),
+        ("light_tracing", "\"lightpath\" \"integer maxdepth\" [4]", "pixelsamples\" [9]"),
+        ("metropolis", "\"mlt\" \"integer maxdepth\" [4]", "mutationsperpixel\" [9]"),
+        ("photon_map", "\"sppm\" \"integer maxdepth\" [4]", "pixelsamples\" [9]"),
+    ] {
+        let (folder, path) = scene("one", "");
+        let text = MINIMAL.replace("NAME", "one").replace("path(max", &format!("{algorithm}(max"));
+        fs::write(&path, text.replace("independent", "sobol")).expect("a write");
+        let out = folder.path().join("out");
+        let ran = run(ltsc()
+            .arg("emit")
+            .arg(&path)
+            .args(["--target", "pbrt-v4", "--max-depth", "5", "--samples", "9", "--seed", "6", "-o"])
+            .arg(&out));
+        assert_eq!(ran.code, Some(0), "{}", ran.err);
+        let settings = fs::read_to_string(out.join("settings.pbrt")).expect("settings");
+        for part in [depth, samples, "--seed 6", "Sampler \"sobol\""] {
+            assert!(settings.contains(part), "{algorithm}: {part}\n{settings}");
+        }
+    }
+}
+
+#[test]
 fn parameters_are_set_from_outside() {
     let (folder, path) = scene("one", "param size: number = 1 in 0.5..2\nshape a = box(size: size) with diffuse(0.5)");
     let out = folder.path().join("out");

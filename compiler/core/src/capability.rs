@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 use crate::diag::Origin;
 use crate::ir::{
-    Bsdf, Camera, Color, Emission, Film, Filter, Integrator, Material, Mesh, Sampler, Scene, Shape, Vec3, cross, dot,
-    normalized, sub,
+    Bsdf, Camera, Color, Emission, Film, Filter, Integrator, LightKind, LightSource, Material, Mesh, Sampler, Scene,
+    Shape, Vec3, cross, dot, normalized, sub,
 };
 
 /// The GGX width up to which all targets agree to about one percent; wider lobes show the different masking terms.
@@ -55,8 +55,18 @@ pub enum Feature {
     BlackEmitter,
     /// An emitter on a surface that also scatters light.
     ScatteringEmitter,
-    /// An emitter whose radiance is not grey.
+    /// An emitter whose radiance is not grey, or another light that is not.
     ColouredEmitter,
+    /// A constant environment.
+    Environment,
+    /// A point light.
+    PointLight,
+    /// A spot light.
+    SpotLight,
+    /// A spot light without a sharp edge.
+    SoftSpotLight,
+    /// A directional light.
+    DirectionalLight,
     /// A mesh with a normal at each vertex.
     VertexNormals,
     /// A mesh without normals: flat faces.
@@ -87,12 +97,24 @@ pub enum Feature {
     CutGaussianFilter,
     /// Path tracing.
     Path,
+    /// Bidirectional path tracing.
+    Bidirectional,
+    /// Light tracing.
+    LightTracing,
+    /// Metropolis light transport.
+    Metropolis,
+    /// Progressive photon mapping.
+    PhotonMap,
     /// Paths of one segment: emission seen directly and nothing else.
     EmissionOnly,
     /// Paths of three segments or more.
     IndirectLight,
     /// Independent random samples.
     IndependentSampler,
+    /// A Sobol sequence with an algorithm whose paths begin at the camera.
+    SobolSampler,
+    /// A Sobol sequence with light tracing, Metropolis light transport or photon mapping.
+    SobolForLightPaths,
     /// A seed other than 0.
     Seed,
 }
@@ -116,6 +138,11 @@ impl Feature {
         Self::BlackEmitter,
         Self::ScatteringEmitter,
         Self::ColouredEmitter,
+        Self::Environment,
+        Self::PointLight,
+        Self::SpotLight,
+        Self::SoftSpotLight,
+        Self::DirectionalLight,
         Self::VertexNormals,
         Self::NoNormals,
         Self::TextureCoordinates,
@@ -131,9 +158,15 @@ impl Feature {
         Self::GaussianFilter,
         Self::CutGaussianFilter,
         Self::Path,
+        Self::Bidirectional,
+        Self::LightTracing,
+        Self::Metropolis,
+        Self::PhotonMap,
         Self::EmissionOnly,
         Self::IndirectLight,
         Self::IndependentSampler,
+        Self::SobolSampler,
+        Self::SobolForLightPaths,
         Self::Seed,
     ];
 
@@ -156,6 +189,11 @@ impl Feature {
             Self::BlackEmitter => "an emitter on a black surface",
             Self::ScatteringEmitter => "an emitter on a surface that scatters light",
             Self::ColouredEmitter => "a coloured emitter",
+            Self::Environment => "a constant environment",
+            Self::PointLight => "a point light",
+            Self::SpotLight => "a spot light",
+            Self::SoftSpotLight => "a spot light with a soft edge",
+            Self::DirectionalLight => "a directional light",
             Self::VertexNormals => "a mesh with normals",
             Self::NoNormals => "a mesh without normals",
             Self::TextureCoordinates => "texture coordinates",
@@ -171,9 +209,15 @@ impl Feature {
             Self::GaussianFilter => "a Gaussian filter",
             Self::CutGaussianFilter => "a Gaussian filter not cut at four standard deviations",
             Self::Path => "path tracing",
+            Self::Bidirectional => "bidirectional path tracing",
+            Self::LightTracing => "light tracing",
+            Self::Metropolis => "Metropolis light transport",
+            Self::PhotonMap => "photon mapping",
             Self::EmissionOnly => "paths of one segment",
             Self::IndirectLight => "indirect light",
             Self::IndependentSampler => "independent samples",
+            Self::SobolSampler => "a Sobol sequence",
+            Self::SobolForLightPaths => "a Sobol sequence for paths that begin at lights",
             Self::Seed => "a seed",
         }
     }
@@ -219,6 +263,7 @@ pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
         meshes,
         materials,
         shapes: _,
+        lights,
         groups: _,
         instances,
         cameras,
@@ -254,6 +299,20 @@ pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
             asked.add(kind, place);
             asked.add_if(!radiance.is_grey(), Feature::ColouredEmitter, place);
         }
+    }
+    for (place, light) in lights.entries() {
+        let LightSource { name: _, kind } = light;
+        let feature = match kind {
+            LightKind::Environment { radiance: _ } => Feature::Environment,
+            LightKind::Point { position: _, intensity: _ } => Feature::PointLight,
+            LightKind::Spot { position: _, target: _, intensity: _, angle, inner } => {
+                asked.add_if(inner < angle, Feature::SoftSpotLight, place);
+                Feature::SpotLight
+            }
+            LightKind::Directional { direction: _, irradiance: _ } => Feature::DirectionalLight,
+        };
+        asked.add(feature, place);
+        asked.add_if(!kind.color().is_grey(), Feature::ColouredEmitter, place);
     }
     for (place, _) in instances.entries().take(1) {
         asked.add(Feature::Instances, place);
@@ -329,18 +388,27 @@ fn ask_settings(asked: &mut Asked, film: &Film, integrator: &Integrator, sampler
             asked.add_if(!whole, Feature::CutGaussianFilter, place);
         }
     }
+    let (algorithm, from_lights) = algorithm(integrator);
+    asked.add(algorithm, place);
+    asked.add_if(integrator.max_depth() <= 1, Feature::EmissionOnly, place);
+    asked.add_if(integrator.max_depth() >= 3, Feature::IndirectLight, place);
+    let points = match sampler {
+        Sampler::Independent { samples: _, seed: _ } => Feature::IndependentSampler,
+        Sampler::Sobol { samples: _, seed: _ } if from_lights => Feature::SobolForLightPaths,
+        Sampler::Sobol { samples: _, seed: _ } => Feature::SobolSampler,
+    };
+    asked.add(points, place);
+    asked.add_if(sampler.seed() != 0, Feature::Seed, place);
+}
+
+/// The feature that an integrator is, and whether its paths (those that the sampler is for) begin at the lights.
+pub fn algorithm(integrator: &Integrator) -> (Feature, bool) {
     match integrator {
-        Integrator::Path { max_depth } => {
-            asked.add(Feature::Path, place);
-            asked.add_if(*max_depth <= 1, Feature::EmissionOnly, place);
-            asked.add_if(*max_depth >= 3, Feature::IndirectLight, place);
-        }
-    }
-    match sampler {
-        Sampler::Independent { samples: _, seed } => {
-            asked.add(Feature::IndependentSampler, place);
-            asked.add_if(*seed != 0, Feature::Seed, place);
-        }
+        Integrator::Path { max_depth: _ } => (Feature::Path, false),
+        Integrator::Bidirectional { max_depth: _ } => (Feature::Bidirectional, false),
+        Integrator::LightTracing { max_depth: _ } => (Feature::LightTracing, true),
+        Integrator::Metropolis { max_depth: _ } => (Feature::Metropolis, true),
+        Integrator::PhotonMap { max_depth: _ } => (Feature::PhotonMap, true),
     }
 }
 
@@ -431,6 +499,52 @@ mod tests {
         assert_eq!(asks(bubble), [Feature::SmoothDielectric, Feature::ThinnerInside]);
         let dim = Bsdf::Mirror { reflectance: Color::Grey(0.9) };
         assert_eq!(asks(dim), [Feature::Mirror, Feature::DimMirror]);
+    }
+
+    #[test]
+    fn lights_and_algorithms_are_asked_for() {
+        let mut scene = sample::empty("s");
+        let kinds = [
+            LightKind::Environment { radiance: Color::Grey(1.0) },
+            LightKind::Point { position: [0.0; 3], intensity: Color::Grey(1.0) },
+            LightKind::Directional { direction: [0.0, 0.0, -1.0], irradiance: Color::Rgb([1.0, 2.0, 3.0]) },
+            LightKind::Spot {
+                position: [0.0; 3],
+                target: [1.0; 3],
+                intensity: Color::Grey(1.0),
+                angle: 20.0,
+                inner: 15.0,
+            },
+        ];
+        for kind in kinds {
+            scene.lights.push(LightSource { name: "l".to_owned(), kind }, crate::diag::Origin::Made);
+        }
+        scene.sampler = Sampler::Sobol { samples: 4, seed: 1 };
+        let light = [
+            Feature::ColouredEmitter,
+            Feature::Environment,
+            Feature::PointLight,
+            Feature::SpotLight,
+            Feature::SoftSpotLight,
+            Feature::DirectionalLight,
+        ];
+        let rest = [Feature::Path, Feature::IndirectLight, Feature::SobolSampler, Feature::Seed];
+        let of = |scene: &Scene| {
+            let mut found = asks(scene);
+            found.retain(|feature| light.contains(feature) || (*feature >= Feature::Path && *feature <= Feature::Seed));
+            found
+        };
+        assert_eq!(of(&scene), [&light[..], &rest[..]].concat());
+        let all = [
+            (Integrator::Bidirectional { max_depth: 1 }, Feature::Bidirectional, Feature::SobolSampler),
+            (Integrator::LightTracing { max_depth: 1 }, Feature::LightTracing, Feature::SobolForLightPaths),
+            (Integrator::Metropolis { max_depth: 1 }, Feature::Metropolis, Feature::SobolForLightPaths),
+            (Integrator::PhotonMap { max_depth: 1 }, Feature::PhotonMap, Feature::SobolForLightPaths),
+        ];
+        for (integrator, feature, sampler) in all {
+            scene.integrator = integrator;
+            assert_eq!(of(&scene)[light.len()..], [feature, Feature::EmissionOnly, sampler, Feature::Seed]);
+        }
     }
 
     #[test]

@@ -5,7 +5,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use ltsc_core::ir::Sampler;
+use ltsc_core::capability::{Support, algorithm};
+use ltsc_core::ir::Scene;
 use ltsc_core::pipeline;
 use ltsc_render::cache::CachePaths;
 use ltsc_render::env::Env;
@@ -29,6 +30,7 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
         Err(exit) => return Ok(exit),
     };
     let target = project::target(driver.target)?;
+    check_algorithm(driver, &scene.scene)?;
     scene.report_losses(target, command.findings.format);
     let work = tempfile::Builder::new()
         .prefix("ltsc-render-")
@@ -104,9 +106,36 @@ fn check_output(command: &Render) -> Result<(), Failure> {
         .help("choose another name, or add `--force`"))
 }
 
+/// Refuses an algorithm that the renderer lacks: an image of another one would be taken for what was asked.
+fn check_algorithm(driver: &Driver, scene: &Scene) -> Result<(), Failure> {
+    let (asked, _) = algorithm(&scene.integrator);
+    let lacks = |driver: &Driver| {
+        let target = project::target(driver.target)?;
+        Ok(matches!((target.supports)(asked), Support::Unsupported { why: _ }))
+    };
+    if !lacks(driver)? {
+        return Ok(());
+    }
+    let mut others = Vec::new();
+    for other in ltsc_render::run::DRIVERS {
+        if !lacks(other)? {
+            others.push(format!("`{}`", other.name));
+        }
+    }
+    let (word, name) = (scene.integrator.word(), driver.name);
+    let path = format!("`integrator = path(max_depth: {})`", scene.integrator.max_depth());
+    let failure =
+        Failure::new(Exit::Usage, format!("{name} has no {}, which the scene asks for by `{word}`", asked.name()));
+    Err(failure.help(if others.is_empty() {
+        format!("no renderer that ltsc runs has it: write {path}, or emit the scene for a target that has it")
+    } else {
+        format!("write {path}, or render with {}", others.join(" or "))
+    }))
+}
+
 fn request(command: &Render, driver: &'static Driver, scene: &One, folder: &Path) -> RenderRequest {
     let film = &scene.scene.film;
-    let Sampler::Independent { samples, seed } = scene.scene.sampler;
+    let (samples, seed) = (scene.scene.sampler.samples(), scene.scene.sampler.seed());
     let env = Env::of_process();
     let cache = CachePaths::find(&env);
     let beside = || {
@@ -159,7 +188,6 @@ fn failure(error: &RenderError) -> Failure {
 }
 
 fn provenance(command: &Render, driver: &Driver, scene: &One, rendered: &Rendered) -> Provenance {
-    let Sampler::Independent { samples: _, seed } = scene.scene.sampler;
     let camera = command.settings.camera.iter().map(|name| ("camera".to_owned(), name.clone()));
     Provenance {
         scene: scene.scene.name.clone(),
@@ -168,7 +196,7 @@ fn provenance(command: &Render, driver: &Driver, scene: &One, rendered: &Rendere
         renderer: driver.name.to_owned(),
         renderer_version: rendered.renderer_version.clone(),
         samples: rendered.samples_done,
-        seed: u64::from(seed),
+        seed: u64::from(scene.scene.sampler.seed()),
         seconds: rendered.seconds,
         extra: camera.collect(),
     }

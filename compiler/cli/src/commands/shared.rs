@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use ltsc_core::capability::{Feature, Support, features};
-use ltsc_core::diag::{Finding, Severity, Sources};
+use ltsc_core::diag::{Finding, Severity, Sources, nearest};
 use ltsc_core::eval::{self, Overrides};
 use ltsc_core::files::VPath;
 use ltsc_core::formats::Target;
@@ -235,11 +235,14 @@ pub fn one(
 fn camera(scene: &Scene, name: Option<&str>) -> Result<Handle<Camera>, Failure> {
     pipeline::camera(scene, name).ok_or_else(|| {
         let known: Vec<&str> = scene.cameras.values().filter_map(|camera| camera.name.as_deref()).collect();
-        let failure = Failure::new(Exit::Usage, format!("the scene has no camera `{}`", name.unwrap_or_default()));
+        let name = name.unwrap_or_default();
+        let failure = Failure::new(Exit::Usage, format!("the scene has no camera `{name}`"));
         if known.is_empty() {
-            failure.help("its only camera has no name: leave out `--camera`")
-        } else {
-            failure.help(format!("it has {}", known.join(", ")))
+            return failure.help("its only camera has no name: leave out `--camera`");
+        }
+        match nearest(name, known.iter().copied()) {
+            Some(similar) => failure.help(format!("did you mean `{similar}`? it has {}", known.join(", "))),
+            None => failure.help(format!("it has {}", known.join(", "))),
         }
     })
 }

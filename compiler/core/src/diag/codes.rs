@@ -47,6 +47,10 @@ pub const CODES: &[Code] = &[
         "A group is empty, or its instances cannot be multiplied out.\nGroups may lie 128 deep in each other and make 10 million shapes and instances.",
     ),
     code("invalid-integrator", "A path has no segments."),
+    code(
+        "invalid-light",
+        "A light's strength is negative or not finite, or it has no direction.\nPoint lights have a radiant intensity, directional ones an irradiance, the environment a radiance.",
+    ),
     code("invalid-material", "A material's numbers are not finite or outside their range."),
     code(
         "invalid-mesh",
@@ -120,6 +124,10 @@ pub const CODES: &[Code] = &[
         "A range runs backwards, or an interval is empty.\nRanges contain both ends: `0..8` are nine numbers.",
     ),
     code("scene-name", "A scene is not named as its file."),
+    code(
+        "second-environment",
+        "A scene has two environments.\nMitsuba refuses the second; two constant ones are one with the sum of their radiances.",
+    ),
     code(
         "shadows-builtin",
         "A function has the name of a constructor or function of the language, and takes its place.\nIt is allowed: a version of the language that adds names does not break scenes that have them already.",

@@ -6,12 +6,12 @@ use std::rc::Rc;
 use crate::diag::{Finding, Span, nearest};
 use crate::files::VPath;
 use crate::ir::{
-    Arena, Bsdf, Camera, Color, Documentation, Emission, Film, Group, Handle, Instance, Integrator, LightPaths,
-    Material, Mesh, Sampler, Scene, Shape, Similar,
+    Affine, Arena, Bsdf, Camera, Color, Documentation, Emission, Film, Group, Handle, Instance, Integrator, LightKind,
+    LightPaths, LightSource, Material, Mesh, Sampler, Scene, Shape, Similar,
 };
 use crate::syntax::{ExprKind, Kind, Name};
 
-use super::items::{GroupBody, Item, Placed};
+use super::items::{GroupBody, Item, Lit, Placed};
 use super::module::{Header, Module};
 use super::value::{CameraValue, GroupValue, MaterialValue, Value};
 use super::{Interpreter, Overrides, Reported};
@@ -22,7 +22,8 @@ const FIELDS: [&str; 5] = ["paths", "similar", "comments", "source", "license"];
 impl Interpreter<'_> {
     /// The scene of a scene file; none for a library, and where settings are missing.
     pub(super) fn assemble(&mut self, module: Module, path: &VPath, overrides: &Overrides) -> Option<Scene> {
-        let Module { header, items, instances, cameras, film, integrator, sampler, broken, .. } = module;
+        let Module { header, items, lights, instances: placed, cameras, film, integrator, sampler, broken, .. } =
+            module;
         let header = header?;
         let documentation = self.documentation(&header);
         let Header { name, doc: _, fields: _ } = header;
@@ -65,8 +66,10 @@ impl Interpreter<'_> {
             let _handle: Handle<Camera> = arena.push(finish_camera(name, &camera, &film), span);
             arena
         });
-        let instances = built.instances(&instances);
+        let instances = built.instances(&placed);
         let shapes = built.shapes(&items);
+        let mut all_lights = Arena::default();
+        place_lights(&mut all_lights, &lights, &placed, &Affine::IDENTITY, "");
         let Builder { meshes, materials, groups, .. } = built;
         Some(Scene {
             name: name.text,
@@ -75,6 +78,7 @@ impl Interpreter<'_> {
             meshes,
             materials,
             shapes,
+            lights: all_lights,
             groups,
             instances,
             cameras,
@@ -260,7 +264,7 @@ impl Builder {
         if let Some((known, _)) = self.known_groups.get(&Rc::as_ptr(body)) {
             return *known;
         }
-        let GroupBody { name, span, items, instances, size: _, depth: _ } = &**body;
+        let GroupBody { name, span, items, lights: _, instances, size: _, depth: _, lit: _ } = &**body;
         let shapes = self.shapes(items);
         let instances = self.instances(instances);
         let handle = self.groups.push(Group { name: name.clone(), shapes, instances }, *span);
@@ -298,6 +302,35 @@ impl Builder {
     }
 }
 
+/// Lights of the scene, and those of groups wherever instances place them: no target can hold a light in a group.
+fn place_lights(placed: &mut Arena<LightSource>, lights: &[Lit], instances: &[Placed], map: &Affine, path: &str) {
+    let joined = |name: &str| if path.is_empty() { name.to_owned() } else { format!("{path}/{name}") };
+    for Lit { name, span, kind } in lights {
+        let kind = match kind {
+            LightKind::Point { position, intensity } => {
+                LightKind::Point { position: map.point(*position), intensity: *intensity }
+            }
+            LightKind::Spot { position, target, intensity, angle, inner } => LightKind::Spot {
+                position: map.point(*position),
+                target: map.point(*target),
+                intensity: *intensity,
+                angle: *angle,
+                inner: *inner,
+            },
+            // Groups hold neither; those of the scene are not moved.
+            LightKind::Environment { radiance: _ } | LightKind::Directional { direction: _, irradiance: _ } => {
+                kind.clone()
+            }
+        };
+        placed.push(LightSource { name: joined(name), kind }, *span);
+    }
+    for Placed { name, span: _, group: GroupValue { body, transform } } in instances {
+        if body.lit {
+            place_lights(placed, &body.lights, &body.instances, &transform.then(map), &joined(name));
+        }
+    }
+}
+
 fn finish_camera(name: Option<String>, camera: &CameraValue, film: &Film) -> Camera {
     let CameraValue { eye, target, up, fov, vertical, near, far } = *camera;
     let fov_x = if vertical {
@@ -319,16 +352,9 @@ fn override_film(film: &Film, overrides: &Overrides) -> Film {
 }
 
 fn override_integrator(integrator: &Integrator, overrides: &Overrides) -> Integrator {
-    match integrator {
-        Integrator::Path { max_depth } => Integrator::Path { max_depth: overrides.max_depth.unwrap_or(*max_depth) },
-    }
+    integrator.with_max_depth(overrides.max_depth.unwrap_or(integrator.max_depth()))
 }
 
 fn override_sampler(sampler: &Sampler, overrides: &Overrides) -> Sampler {
-    match sampler {
-        Sampler::Independent { samples, seed } => Sampler::Independent {
-            samples: overrides.samples.unwrap_or(*samples),
-            seed: overrides.seed.unwrap_or(*seed),
-        },
-    }
+    sampler.with(overrides.samples.unwrap_or(sampler.samples()), overrides.seed.unwrap_or(sampler.seed()))
 }

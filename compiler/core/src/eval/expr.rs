@@ -395,6 +395,7 @@ impl Interpreter<'_> {
         };
         let value = self.eval(scope, expr, family)?;
         let kind = value.kind();
+        let light = matches!(value, Value::Light(_));
         let refusal = match ty.accept(value) {
             Ok(value) => return Ok(value),
             Err(refusal) => refusal,
@@ -403,6 +404,13 @@ impl Interpreter<'_> {
             .label(kind);
         self.report(match refusal {
             Refusal::Silent => return Err(Reported),
+            Refusal::Type if light && matches!(ty, Ty::Mesh | Ty::Placeable) => Finding::error(
+                "type-mismatch",
+                expr.span,
+                "stages move meshes and groups, not lights",
+            )
+            .label(kind)
+            .help("give the light the position or direction that it is to have, or put a point light into a group"),
             Refusal::Type => mismatch,
             Refusal::Unit(n) => Finding::error(
                 "missing-unit",

@@ -326,15 +326,16 @@ impl Interpreter<'_> {
     /// Evaluates the statements of a group, whose names `scope` has.
     fn group_items(&mut self, scope: &mut Scope, function: &Function) -> Result<Value, Reported> {
         let Body::Group(body) = &function.body else { return Err(Reported) };
-        let mut module = Module { depth: 1, ..Module::default() };
+        let mut module = Module { depth: 1, group: true, ..Module::default() };
         let before = self.findings.len();
         self.block(&mut module, scope, body);
         if self.findings[before..].iter().any(|finding| finding.severity == Severity::Error) {
             return Err(Reported);
         }
-        let Module { items, instances, size, group_depth, .. } = module;
+        let Module { items, lights, instances, size, group_depth, .. } = module;
+        let lit = !lights.is_empty() || instances.iter().any(|placed| placed.group.body.lit);
         let (name, span) = (function.name.clone(), function.span);
-        let body = GroupBody { name, span, items, instances, size, depth: group_depth.max(1) };
+        let body = GroupBody { name, span, items, lights, instances, size, depth: group_depth.max(1), lit };
         Ok(Value::Group(GroupValue { body: Rc::new(body), transform: Affine::IDENTITY }))
     }
 

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use crate::diag::{Finding, Span};
-use crate::ir::{GROUP_DEPTH, INSTANCE_LIMIT};
+use crate::ir::{GROUP_DEPTH, INSTANCE_LIMIT, LightKind};
 use crate::syntax::{Expr, Kind, Name};
 
 use super::module::{Module, Scope};
@@ -21,6 +21,14 @@ pub(super) struct Item {
     pub emission: Option<Rc<EmissionValue>>,
 }
 
+/// A light without a surface.
+#[derive(Clone, Debug)]
+pub(super) struct Lit {
+    pub name: String,
+    pub span: Span,
+    pub kind: LightKind,
+}
+
 /// An instance.
 #[derive(Clone, Debug)]
 pub(super) struct Placed {
@@ -35,11 +43,14 @@ pub(super) struct GroupBody {
     pub name: String,
     pub span: Span,
     pub items: Vec<Item>,
+    pub lights: Vec<Lit>,
     pub instances: Vec<Placed>,
     /// Shapes and instances that placing it makes, those of inner groups included.
     pub size: u64,
     /// How many groups lie within each other, this one included.
     pub depth: usize,
+    /// Whether it holds lights, itself or in inner groups.
+    pub lit: bool,
 }
 
 impl Interpreter<'_> {
@@ -115,8 +126,26 @@ impl Interpreter<'_> {
         with: Option<&Expr>,
         span: Span,
     ) {
-        let mesh = self.eval(scope, value, Some(Family::Mesh)).and_then(|found| match found {
+        let bare = kind == Kind::Emitter && with.is_none();
+        let found = self.eval(scope, value, Some(if bare { Family::Light } else { Family::Mesh }));
+        if kind == Kind::Emitter
+            && let Ok(Value::Light(light)) = &found
+        {
+            self.light(module, name, light, with, span);
+            return;
+        }
+        // What was meant for a light must not be told to have a surface.
+        if bare && found.is_err() {
+            return;
+        }
+        let mesh = found.and_then(|found| match found {
             Value::Mesh(mesh) => Ok(rename_made(mesh, name)),
+            Value::Light(light) => self.report(
+                Finding::error("type-mismatch", value.span, "`shape` takes a mesh, not a light")
+                    .label("a light")
+                    .note(format!("`{}` has no surface", light.word()))
+                    .help("write `emitter name = ...` without `with`"),
+            ),
             found => {
                 let word = kind.word();
                 self.report(
@@ -166,6 +195,57 @@ impl Interpreter<'_> {
         }
         module.size = module.size.saturating_add(1);
         module.items.push(Item { name: text, span, mesh, material, emission });
+    }
+
+    /// `emitter name = light`
+    fn light(&mut self, module: &mut Module, name: Option<&Name>, kind: &LightKind, with: Option<&Expr>, span: Span) {
+        let word = kind.word();
+        let everywhere = match kind {
+            LightKind::Environment { radiance: _ } => Some("it shines from everywhere"),
+            LightKind::Directional { direction: _, irradiance: _ } => Some("it shines from infinitely far away"),
+            LightKind::Point { position: _, intensity: _ }
+            | LightKind::Spot { position: _, target: _, intensity: _, angle: _, inner: _ } => None,
+        };
+        if let Some(with) = with {
+            self.findings.push(
+                Finding::error("misplaced-with", with.span, format!("`{word}` takes no `with`"))
+                    .note("it has no surface, and its strength is one of its arguments")
+                    .help("remove `with` and what stands behind it"),
+            );
+            return;
+        }
+        if let Some(why) = everywhere.filter(|_| module.group) {
+            self.findings.push(
+                Finding::error("misplaced-statement", span, format!("`{word}` stands in a group"))
+                    .label("has no place that a group could give it")
+                    .note(format!("a group is seen where instances place it, and {why}"))
+                    .help("move it to the top level of the scene"),
+            );
+            return;
+        }
+        let Some(name) = name else { return };
+        let text = module.item_name(name);
+        if let Some(first) = module.item_names.insert((true, text.clone()), name.span) {
+            self.findings.push(
+                Finding::error("duplicate-name", name.span, format!("two emitters are named `{text}`"))
+                    .label("again")
+                    .also(first, "first here"),
+            );
+            return;
+        }
+        let sky = |light: &&Lit| matches!(light.kind, LightKind::Environment { radiance: _ });
+        if let Some(first) = module.lights.iter().find(sky).filter(|_| matches!(kind, LightKind::Environment { .. })) {
+            self.findings.push(
+                Finding::error("second-environment", span, "there are two environments")
+                    .label("again")
+                    .also(first.span, "first here")
+                    .note("Mitsuba refuses a second one")
+                    .help("add their radiances: two constant environments are one"),
+            );
+            return;
+        }
+        module.size = module.size.saturating_add(1);
+        module.lights.push(Lit { name: text, span, kind: kind.clone() });
     }
 
     pub(super) fn setting(

@@ -183,3 +183,6 @@ impl<'f> Interpreter<'f> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -8,7 +8,7 @@ use crate::files::{PathError, ReadError, VPath};
 use crate::ir::{Documentation, Film, Integrator, Sampler};
 use crate::syntax::{self, Expr, ExprKind, Kind, Name, Statement, StatementKind, Tree};
 
-use super::items::{self, Item, Placed};
+use super::items::{self, Item, Lit, Placed};
 use super::table::Family;
 use super::value::{CameraValue, MaterialValue, Value};
 use super::{Allow, Interpreter, Reported, TEXT_LIMIT};
@@ -78,6 +78,7 @@ pub(super) struct Header {
 pub(super) struct Module {
     pub header: Option<Header>,
     pub items: Vec<Item>,
+    pub lights: Vec<Lit>,
     pub instances: Vec<Placed>,
     /// Shapes and instances so far, those within groups as often as they are placed.
     pub size: u64,
@@ -97,6 +98,8 @@ pub(super) struct Module {
     pub path: Vec<String>,
     /// How many loops and conditions stand around it.
     pub depth: usize,
+    /// Whether it is the body of a group.
+    pub group: bool,
 }
 
 impl Module {
@@ -450,13 +453,14 @@ impl Interpreter<'_> {
     /// Libraries hold values only.
     fn library_only(&mut self, module: &Module) {
         let items = module.items.iter().map(|item| (item.span, "shapes and emitters"));
+        let lights = module.lights.iter().map(|light| (light.span, "shapes and emitters"));
         let instances = module.instances.iter().map(|instance| (instance.span, "instances"));
         let cameras = module.cameras.iter().map(|(_, _, span)| (*span, "cameras"));
         let film = module.film.iter().map(|(_, span)| (*span, "films"));
         let integrator = module.integrator.iter().map(|(_, span)| (*span, "integrators"));
         let sampler = module.sampler.iter().map(|(_, span)| (*span, "samplers"));
         let all: Vec<(Span, &str)> =
-            items.chain(instances).chain(cameras).chain(film).chain(integrator).chain(sampler).collect();
+            items.chain(lights).chain(instances).chain(cameras).chain(film).chain(integrator).chain(sampler).collect();
         for (span, what) in all {
             self.findings.push(
                 Finding::error("misplaced-statement", span, format!("a library has no {what}"))

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use crate::diag::Span;
-use crate::ir::{Affine, Bsdf, Color, Film, Filter, Integrator, Mesh, Sampler, Vec3};
+use crate::ir::{Affine, Bsdf, Color, Film, Filter, Integrator, LightKind, Mesh, Sampler, Vec3};
 
 /// A value. No number in it is ever NaN or infinite.
 #[derive(Clone, Debug)]
@@ -23,6 +23,7 @@ pub(super) enum Value {
     Color(Color),
     Material(Rc<MaterialValue>),
     Emission(Rc<EmissionValue>),
+    Light(Rc<LightKind>),
     Mesh(MeshValue),
     Group(GroupValue),
     Camera(Rc<CameraValue>),
@@ -99,6 +100,7 @@ impl Value {
             Self::Color(_) => "a color",
             Self::Material(_) => "a material",
             Self::Emission(_) => "an emission",
+            Self::Light(_) => "a light",
             Self::Mesh(_) => "a mesh",
             Self::Group(_) => "a group",
             Self::Camera(_) => "a camera",

@@ -3,9 +3,12 @@
 use std::collections::BTreeSet;
 
 use super::*;
+use crate::capability::algorithm;
 use crate::diag::Origin;
 use crate::files::MemorySink;
-use crate::ir::{Affine, Bsdf, Color, Emission as Light, Film, Filter, Integrator, Sampler, Scene};
+use crate::ir::{
+    Affine, Bsdf, Color, Emission as Light, Film, Filter, Integrator, LightKind, LightSource, Sampler, Scene,
+};
 use crate::valid::validate;
 use shared::sample;
 
@@ -359,4 +362,232 @@ fn seeds_and_samples_are_where_they_can_be_replaced() {
     assert!(pbrt.contains("\"integer pixelsamples\" [64]") && !pbrt.contains("\"integer seed\""));
     let cfg = text(&emitted("luxcore", scene), "scene.cfg");
     assert!(cfg.contains("renderengine.seed = 8\n") && cfg.contains("batch.haltspp = 64\n"));
+}
+
+/// The room with a light of each kind; the names are hostile.
+fn lit() -> Scene {
+    let mut scene = sample::room();
+    let kinds = [
+        LightKind::Environment { radiance: Color::Rgb([1.0, 2.0, 0.5]) },
+        LightKind::Point { position: [1.0, -2.0, 3.5], intensity: Color::Grey(40.0) },
+        LightKind::Directional { direction: [0.6, 0.0, -0.8], irradiance: Color::Rgb([3.0, 1.5, 0.0]) },
+        LightKind::Spot {
+            position: [0.0, -5.0, 6.0],
+            target: [0.0, 1.0, -2.0],
+            intensity: Color::Grey(9.0),
+            angle: 30.0,
+            inner: 24.0,
+        },
+    ];
+    for kind in kinds {
+        let name = format!("--> \" {}", kind.word());
+        scene.lights.push(LightSource { name, kind }, Origin::Made);
+    }
+    scene
+}
+
+#[test]
+fn lights_in_every_target() {
+    let has = |target: &str, file: &str, parts: &[&str]| {
+        let text = text(&emitted(target, lit()), file);
+        let plain: String = text.split_whitespace().collect::<Vec<_>>().join(" ");
+        for part in parts {
+            assert_eq!(plain.matches(part).count(), 1, "{target}: {part}\n{text}");
+        }
+    };
+    for target in ["mitsuba-3", "mitsuba-0.6", "mitsuba-0.5"] {
+        has(
+            target,
+            "description.xml",
+            &[
+                "<emitter type=\"constant\" id=\"_environment\"> <rgb name=\"radiance\" value=\"1, 2, 0.5\"/> </emitter>",
+                "<emitter type=\"point\" id=\"_point\"> <point name=\"position\" x=\"1\" y=\"-2\" z=\"3.5\"/> <rgb \
+                 name=\"intensity\" value=\"40, 40, 40\"/> </emitter>",
+                "<emitter type=\"directional\" id=\"_directional\"> <vector name=\"direction\" x=\"0.6\" y=\"0\" \
+                 z=\"-0.8\"/> <rgb name=\"irradiance\" value=\"3, 1.5, 0\"/> </emitter>",
+            ],
+        );
+    }
+    for (target, cutoff, beam) in
+        [("mitsuba-3", "cutoff_angle", "beam_width"), ("mitsuba-0.6", "cutoffAngle", "beamWidth")]
+    {
+        let angles =
+            format!("<float name=\"{cutoff}\" value=\"30\"/> <float name=\"{beam}\" value=\"24\"/> </emitter>");
+        let at = "<lookat origin=\"0, -5, 6\" target=\"0, 1, -2\" up=\"1, 0, 0\"/>";
+        has(target, "description.xml", &[at, &angles, "<rgb name=\"intensity\" value=\"9, 9, 9\"/>"]);
+    }
+    for (target, point) in [("pbrt-v3", "point"), ("pbrt-v4", "point3")] {
+        let spot = format!(
+            "LightSource \"spot\" \"{point} from\" [0 -5 6] \"{point} to\" [0 1 -2] \"rgb I\" [9 9 9] \"float coneangle\" [30] \
+             \"float conedeltaangle\" [6]"
+        );
+        has(target, "description.pbrt", &[&spot]);
+        let distant =
+            format!("LightSource \"distant\" \"{point} from\" [0 0 0] \"{point} to\" [0.6 0 -0.8] \"rgb L\" [3 1.5 0]");
+        let near = format!("LightSource \"point\" \"{point} from\" [1 -2 3.5] \"rgb I\" [40 40 40]");
+        has(target, "description.pbrt", &["LightSource \"infinite\" \"rgb L\" [1 2 0.5]", &near, &distant]);
+    }
+    has(
+        "luxcore",
+        "scene.scn",
+        &[
+            "scene.lights._environment.type = \"constantinfinite\" scene.lights._environment.color = 1 2 0.5 \
+             scene.lights._environment.gain = 1 1 1",
+            // The gain is 4 pi.
+            "scene.lights._point.position = 1 -2 3.5 scene.lights._point.color = 40 40 40 scene.lights._point.gain = \
+             12.566370614359172 12.566370614359172 12.566370614359172",
+            "scene.lights._directional.type = \"sharpdistant\" scene.lights._directional.direction = 0.6 0 -0.8 \
+             scene.lights._directional.color = 3 1.5 0",
+            "scene.lights._spot.position = 0 -5 6 scene.lights._spot.target = 0 1 -2 scene.lights._spot.coneangle = 30 \
+             scene.lights._spot.conedeltaangle = 6 scene.lights._spot.color = 9 9 9 scene.lights._spot.gain = 1 1 1",
+        ],
+    );
+    let gltf = text(&emitted("gltf", lit()), "cbox_classic.gltf");
+    let gltf: serde_json::Value = serde_json::from_str(&gltf).expect("JSON");
+    assert!(gltf["extensionsUsed"].as_array().expect("extensions").contains(&"KHR_lights_punctual".into()));
+    let lights = &gltf["extensions"]["KHR_lights_punctual"]["lights"];
+    assert_eq!((lights[0]["type"].as_str(), lights[1]["type"].as_str()), (Some("point"), Some("directional")));
+    assert_eq!((&lights[0]["intensity"], &lights[1]["intensity"]), (&40.0.into(), &3.0.into()));
+    assert_eq!(lights[1]["color"], serde_json::json!([1.0, 0.5, 0.0]));
+    let nodes = gltf["nodes"].as_array().expect("nodes");
+    let of = |light: u64| {
+        let lit =
+            |node: &&serde_json::Value| node["extensions"]["KHR_lights_punctual"]["light"].as_u64() == Some(light);
+        nodes.iter().find(lit).expect("a node of the light")
+    };
+    assert_eq!(of(0)["translation"], serde_json::json!([1.0, -2.0, 3.5]));
+    // The third column is the node's z, against which the light shines.
+    let matrix: Vec<f64> = of(1)["matrix"].as_array().expect("a matrix").iter().filter_map(|x| x.as_f64()).collect();
+    let close = matrix[8..11].iter().zip([-0.6, 0.0, 0.8]).all(|(a, b)| (a - b).abs() < 1e-12);
+    assert!(close && matrix[12..15] == [0.0; 3], "{matrix:?}");
+    // (0, -5, 6) to (0, 1, -2) is (0, 0.6, -0.8) of length 10.
+    let matrix: Vec<f64> = of(2)["matrix"].as_array().expect("a matrix").iter().filter_map(|x| x.as_f64()).collect();
+    let wanted = [0.0, -0.6, 0.8, 0.0, 0.0, -5.0, 6.0];
+    assert!(matrix[8..15].iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{matrix:?}");
+    let cone = &lights[2]["spot"];
+    let close = |value: &serde_json::Value, wanted: f64| (value.as_f64().expect("a number") - wanted).abs() < 1e-12;
+    assert!(
+        close(&cone["outerConeAngle"], 30.0_f64.to_radians()) && close(&cone["innerConeAngle"], 24.0_f64.to_radians())
+    );
+    // A scene without lights says nothing of them.
+    assert!(!text(&emitted("gltf", sample::room()), "cbox_classic.gltf").contains("punctual"));
+}
+
+/// For each algorithm what each target's settings say, or none where path tracing stands for it.
+#[test]
+fn algorithms_in_every_target() {
+    let all: [(Integrator, [Option<&str>; 5]); 5] = [
+        (
+            Integrator::Path { max_depth: 7 },
+            [
+                Some("<integrator type=\"path\"> <integer name=\"max_depth\" value=\"7\"/>"),
+                Some("<integrator type=\"path\"> <integer name=\"maxDepth\" value=\"7\"/>"),
+                Some("Integrator \"path\" \"integer maxdepth\" [6]"),
+                Some("Integrator \"path\" \"integer maxdepth\" [6]"),
+                Some("path.pathdepth.total = 7"),
+            ],
+        ),
+        (
+            Integrator::Bidirectional { max_depth: 7 },
+            [
+                None,
+                Some("<integrator type=\"bdpt\"> <integer name=\"maxDepth\" value=\"7\"/>"),
+                Some("Integrator \"bdpt\" \"integer maxdepth\" [6]"),
+                Some("Integrator \"bdpt\" \"integer maxdepth\" [6]"),
+                None,
+            ],
+        ),
+        (
+            Integrator::LightTracing { max_depth: 7 },
+            [
+                Some("<integrator type=\"ptracer\"> <integer name=\"max_depth\" value=\"7\"/>"),
+                Some("<integrator type=\"ptracer\"> <integer name=\"maxDepth\" value=\"7\"/>"),
+                Some("Integrator \"lightpath\" \"integer maxdepth\" [6]"),
+                None,
+                None,
+            ],
+        ),
+        (
+            Integrator::Metropolis { max_depth: 7 },
+            [
+                None,
+                Some("<integrator type=\"pssmlt\"> <integer name=\"maxDepth\" value=\"7\"/>"),
+                Some("Integrator \"mlt\" \"integer maxdepth\" [6] \"integer mutationsperpixel\" [32]"),
+                Some("Integrator \"mlt\" \"integer maxdepth\" [6] \"integer mutationsperpixel\" [32]"),
+                None,
+            ],
+        ),
+        (
+            Integrator::PhotonMap { max_depth: 7 },
+            [
+                None,
+                Some("<integrator type=\"sppm\"> <integer name=\"maxDepth\" value=\"7\"/>"),
+                Some("Integrator \"sppm\" \"integer maxdepth\" [6] \"float radius\""),
+                Some("Integrator \"sppm\" \"integer maxdepth\" [6] \"integer iterations\" [32] \"float radius\""),
+                None,
+            ],
+        ),
+    ];
+    let targets = [
+        ("mitsuba-3", "settings.xml"),
+        ("mitsuba-0.6", "settings.xml"),
+        ("pbrt-v4", "settings.pbrt"),
+        ("pbrt-v3", "settings.pbrt"),
+        ("luxcore", "scene.cfg"),
+    ];
+    for (integrator, expected) in all {
+        for ((target, file), expected) in targets.into_iter().zip(expected) {
+            let scene = Scene { integrator: integrator.clone(), ..sample::room() };
+            let text = text(&emitted(target, scene), file).split_whitespace().collect::<Vec<_>>().join(" ");
+            let supports = find(target).expect("a target").supports;
+            let lacks = matches!(supports(algorithm(&integrator).0), Support::Unsupported { why: _ });
+            // What is written and what is answered are one.
+            assert_eq!(expected.is_none(), lacks, "{target} {}", integrator.word());
+            let replaced = text.contains("path tracing of the same depth stands for it");
+            assert_eq!(replaced, lacks, "{target} {}", integrator.word());
+            let path = ["type=\"path\"", "Integrator \"path\"", "path.pathdepth.total = 7"];
+            match expected {
+                Some(part) => assert!(text.contains(part), "{target}: {part}\n{text}"),
+                None => assert!(path.iter().any(|part| text.contains(part)), "{target}\n{text}"),
+            }
+        }
+        let gltf =
+            text(&emitted("gltf", Scene { integrator: integrator.clone(), ..sample::room() }), "cbox_classic.gltf");
+        assert!(gltf.contains(&format!("\"type\": \"{}\"", integrator.word())), "{}", integrator.word());
+    }
+}
+
+#[test]
+fn photon_maps_have_no_depth_below_two() {
+    let scene = || Scene { integrator: Integrator::PhotonMap { max_depth: 1 }, ..sample::room() };
+    assert!(text(&emitted("mitsuba-0.5", scene()), "settings.xml").contains("\"maxDepth\" value=\"2\""));
+    for target in ["pbrt-v3", "pbrt-v4"] {
+        assert!(text(&emitted(target, scene()), "settings.pbrt").contains("\"integer maxdepth\" [1]"), "{target}");
+    }
+}
+
+#[test]
+fn sobol_sequences_where_there_are_some() {
+    let scene = |integrator: Integrator| Scene {
+        sampler: Sampler::Sobol { samples: 64, seed: 7 },
+        integrator,
+        ..sample::room()
+    };
+    let path = || scene(Integrator::Path { max_depth: 3 });
+    let xml = text(&emitted("mitsuba-0.6", path()), "settings.xml");
+    assert!(xml.contains("type=\"sobol\"") && xml.contains("<integer name=\"scramble\" value=\"$seed\"/>"));
+    assert!(xml.contains("<default name=\"seed\" value=\"7\"/>") && xml.contains("name=\"samples\" value=\"64\""));
+    // `pssmlt` refuses every sampler but one.
+    let xml = text(&emitted("mitsuba-0.6", scene(Integrator::Metropolis { max_depth: 3 })), "settings.xml");
+    assert!(xml.contains("type=\"independent\"") && !xml.contains("sobol") && !xml.contains("scramble"));
+    let xml = text(&emitted("mitsuba-3", path()), "settings.xml");
+    assert!(xml.contains("<sampler type=\"independent\">") && !xml.contains("sobol"));
+    for target in ["pbrt-v3", "pbrt-v4"] {
+        let pbrt = text(&emitted(target, path()), "settings.pbrt");
+        assert!(pbrt.contains("Sampler \"sobol\" \"integer pixelsamples\" [64]\n"), "{target}");
+    }
+    let cfg = text(&emitted("luxcore", path()), "scene.cfg");
+    assert!(cfg.contains("sampler.type = \"SOBOL\"\nsampler.sobol.adaptive.strength = 0\n"));
+    assert!(cfg.contains("renderengine.seed = 8\n") && cfg.contains("batch.haltspp = 64\n") && !cfg.contains("RANDOM"));
+    assert!(text(&emitted("gltf", path()), "cbox_classic.gltf").contains("\"type\": \"sobol\""));
 }

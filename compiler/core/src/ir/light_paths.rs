@@ -28,7 +28,7 @@ pub struct LightPathError {
 
 /// What the light of a path is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum LightKind {
+pub enum LightExtent {
     /// It has an extent: `LDD`.
     Area,
     /// It is a point: `LSD`.
@@ -79,7 +79,7 @@ impl LightPaths {
     }
 
     /// Whether local sampling finds every path of the class, where lights are of `kind` and the camera is a pinhole.
-    pub fn is_found_by_local_sampling(&self, kind: LightKind) -> bool {
+    pub fn is_found_by_local_sampling(&self, kind: LightExtent) -> bool {
         let mut machine = Machine { full: self.full, kind };
         let after = machine.walk(&self.form, State::START);
         !after.has(State::START.0 | State::AFTER_D.0)
@@ -157,7 +157,7 @@ impl State {
 /// Follows all paths of a class at once.
 struct Machine {
     full: bool,
-    kind: LightKind,
+    kind: LightExtent,
 }
 
 impl Machine {
@@ -165,8 +165,8 @@ impl Machine {
         match form {
             Form::Letter('L', _) if !self.full => {
                 let spelled = match self.kind {
-                    LightKind::Area => "LDD",
-                    LightKind::Point => "LSD",
+                    LightExtent::Area => "LDD",
+                    LightExtent::Point => "LSD",
                 };
                 spelled.chars().fold(from, State::letter)
             }
@@ -269,7 +269,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn found(text: &str, kind: LightKind) -> bool {
+    fn found(text: &str, kind: LightExtent) -> bool {
         LightPaths::parse(text).expect("a class").is_found_by_local_sampling(kind)
     }
 
@@ -295,15 +295,17 @@ mod tests {
     #[test]
     fn paths_that_nothing_connects() {
         // Veach 1997, section 8.3.4: with a point light and a pinhole, `LSDSE` cannot be sampled locally.
-        assert!(!found("LSDSE", LightKind::Point));
-        assert!(found("LSDSE", LightKind::Area));
-        assert!(found("LDE", LightKind::Point) && found("LDDE", LightKind::Point) && found("LSDDE", LightKind::Point));
-        assert!(!found("LS*DS*E", LightKind::Point), "with an `S` on both sides");
-        assert!(!found("LSE", LightKind::Point));
-        assert!(found("LDD S+ D DSE", LightKind::Point), "the full form says what the light is");
-        assert!(!found("LSD S+ D S DSE", LightKind::Area));
-        assert!(found("L(S|D)DE", LightKind::Point) && !found("L(SDS|D)E", LightKind::Point), "every path counts");
-        assert!(found("LGGE", LightKind::Point));
+        assert!(!found("LSDSE", LightExtent::Point));
+        assert!(found("LSDSE", LightExtent::Area));
+        assert!(
+            found("LDE", LightExtent::Point) && found("LDDE", LightExtent::Point) && found("LSDDE", LightExtent::Point)
+        );
+        assert!(!found("LS*DS*E", LightExtent::Point), "with an `S` on both sides");
+        assert!(!found("LSE", LightExtent::Point));
+        assert!(found("LDD S+ D DSE", LightExtent::Point), "the full form says what the light is");
+        assert!(!found("LSD S+ D S DSE", LightExtent::Area));
+        assert!(found("L(S|D)DE", LightExtent::Point) && !found("L(SDS|D)E", LightExtent::Point), "every path counts");
+        assert!(found("LGGE", LightExtent::Point));
         let whole = |text: &str| LightPaths::parse(text).is_ok_and(|class| class.is_whole());
         assert!(whole("LDE") && whole("(LD|LS)(DE|SE)") && !whole("SDS") && !whole("LD") && !whole("(LD|S)E"));
     }

@@ -8,6 +8,8 @@
 //! | angles | degrees, because every text target spells degrees |
 //! | colours | linear, sRGB (Rec. 709) primaries, D65 white |
 //! | radiance | W/(m2 sr), leaving the surface on the side of its normals |
+//! | intensity | W/sr, of a point light |
+//! | irradiance | W/m2, of directional light on a surface across its direction |
 //! | `alpha` | the width of the GGX distribution (not its root, not its square) |
 //! | index of refraction | relative to vacuum; inside is behind the normals |
 //! | field of view | full angle along the image's width |
@@ -24,6 +26,7 @@ mod camera;
 mod color;
 mod doc;
 mod group;
+mod light;
 mod light_paths;
 mod material;
 mod mesh;
@@ -37,7 +40,8 @@ pub use camera::{Axes, Camera};
 pub use color::Color;
 pub use doc::{Documentation, Similar};
 pub use group::{GROUP_DEPTH, Group, INSTANCE_LIMIT, Instance};
-pub use light_paths::{LightKind, LightPathError, LightPaths};
+pub use light::{LightKind, LightSource};
+pub use light_paths::{LightExtent, LightPathError, LightPaths};
 pub use material::{Bsdf, Material};
 pub use mesh::Mesh;
 pub use settings::{Film, Filter, Integrator, Sampler};
@@ -60,6 +64,8 @@ pub struct Scene {
     pub materials: Arena<Material>,
     /// Surfaces and emitters: a mesh, where it lies, what it is made of.
     pub shapes: Arena<Shape>,
+    /// Lights without a surface; those of groups are here too, once for each place.
+    pub lights: Arena<LightSource>,
     /// Shapes to be placed by instances; a group stands behind those that it holds.
     pub groups: Arena<Group>,
     /// Groups at their places.

@@ -6,6 +6,7 @@ mod black_surface;
 mod long_brief;
 mod many_materials;
 mod missing_normals;
+mod non_mesh_emitter;
 mod one_sided_similar;
 mod outside_not_air;
 mod reflectance_over_one;
@@ -131,6 +132,7 @@ pub static RULES: &[Rule] = &[
     long_brief::RULE,
     many_materials::RULE,
     missing_normals::RULE,
+    non_mesh_emitter::RULE,
     one_sided_similar::RULE,
     outside_not_air::RULE,
     reflectance_over_one::RULE,

@@ -2,7 +2,7 @@
 #![doc = include_str!("unreachable_paths.md")]
 
 use super::{Level, Report, Rule, Subject};
-use crate::ir::{LightKind, LightPaths};
+use crate::ir::{LightExtent, LightKind, LightPaths, LightSource};
 
 pub(super) const RULE: Rule = Rule {
     id: "unreachable-paths",
@@ -15,12 +15,13 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(subject: &Subject<'_>, report: &mut Report) {
     let scene = subject.scene;
-    // A scene with one area light at least is judged as one with area lights: its paths say nothing of which light they mean.
-    let area = scene.surfaces().any(|(_, shape)| shape.emission.is_some());
-    let kind = if area { LightKind::Area } else { LightKind::Point };
+    // A scene with one light that has an extent is judged by it: its paths do not say which light they mean.
+    let wide = |light: &LightSource| matches!(light.kind, LightKind::Environment { radiance: _ });
+    let extended = scene.surfaces().any(|(_, shape)| shape.emission.is_some()) || scene.lights.values().any(wide);
+    let extent = if extended { LightExtent::Area } else { LightExtent::Point };
     for text in &scene.documentation.paths {
         let Ok(class) = LightPaths::parse(text) else { continue };
-        if !class.is_whole() || class.is_found_by_local_sampling(kind) {
+        if !class.is_whole() || class.is_found_by_local_sampling(extent) {
             continue;
         }
         report.add(

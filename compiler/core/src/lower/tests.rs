@@ -15,6 +15,7 @@ fn scene() -> Scene {
         meshes: Arena::default(),
         materials: Arena::default(),
         shapes: Arena::default(),
+        lights: Arena::default(),
         groups: Arena::default(),
         instances: Arena::default(),
         cameras: Arena::default(),

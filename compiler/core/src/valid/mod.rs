@@ -2,11 +2,12 @@
 //!
 //! A [`Valid`] scene has at least one shape or instance and one camera, a name, and handles that point into its arenas. Its meshes have
 //! triangles, indices in range, finite numbers and unit normals where they have any. Its groups hold shapes only, none of which
-//! emits. Its materials, cameras and
+//! emits. At most one of its lights is an environment. Its materials, lights, cameras and
 //! settings lie in the ranges that [`crate::ir`] documents. One file per entity; each function adds all it finds.
 
 mod camera;
 mod group;
+mod light;
 mod material;
 mod mesh;
 mod names;
@@ -62,6 +63,7 @@ pub fn validate(scene: Scene) -> Result<Valid, Vec<Finding>> {
         scene.meshes.values().map(|mesh| if is_readable(mesh) { bounds(mesh.into()) } else { None }).collect();
     shape::check(&scene, &bounds, &mut findings);
     group::check(&scene, &bounds, &mut findings);
+    light::check(&scene, &mut findings);
     camera::check(&scene, &mut findings);
     settings::check(&scene, &mut findings);
     if findings.is_empty() { Ok(Valid(scene)) } else { Err(findings) }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::diag::{Finding, Origin};
-use crate::ir::{Arena, Scene, Shape};
+use crate::ir::{Arena, LightSource, Scene, Shape};
 
 pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
     printable("scene", &scene.name, &scene.origin, findings);
@@ -13,10 +13,10 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
     for (handle, mesh) in scene.meshes.iter() {
         printable("mesh", &mesh.name, scene.meshes.origin(handle), findings);
     }
-    surfaces(&scene.shapes, findings);
+    surfaces(&scene.shapes, &scene.lights, findings);
     for (origin, group) in scene.groups.entries() {
         printable("group", &group.name, origin, findings);
-        surfaces(&group.shapes, findings);
+        surfaces(&group.shapes, &Arena::default(), findings);
     }
     let mut instances = BTreeMap::new();
     for (origin, instance) in scene.instances.entries() {
@@ -40,14 +40,18 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
     }
 }
 
-/// Shapes and emitters have a space of names each.
-fn surfaces(shapes: &Arena<Shape>, findings: &mut Vec<Finding>) {
+/// Shapes and emitters have a space of names each; lights without a surface are emitters.
+fn surfaces(shapes: &Arena<Shape>, lights: &Arena<LightSource>, findings: &mut Vec<Finding>) {
     let mut taken = [BTreeMap::new(), BTreeMap::new()];
     for (origin, shape) in shapes.entries() {
         let emits = shape.emission.is_some();
         let kind = if emits { "emitter" } else { "shape" };
         printable(kind, &shape.name, origin, findings);
         unique(kind, &shape.name, origin, &mut taken[usize::from(emits)], findings);
+    }
+    for (origin, light) in lights.entries() {
+        printable("emitter", &light.name, origin, findings);
+        unique("emitter", &light.name, origin, &mut taken[1], findings);
     }
 }
 

@@ -1,7 +1,7 @@
 //! Film, integrator, sampler.
 
 use crate::diag::Finding;
-use crate::ir::{Film, Filter, Integrator, Sampler, Scene};
+use crate::ir::{Film, Filter, Scene};
 
 /// The longest side of an image. A square of this side has 48 GiB of RGB floats: more is a slip of the keyboard.
 const MAX_SIDE: u32 = 65_536;
@@ -36,19 +36,11 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
             }
         }
     }
-    match scene.integrator {
-        Integrator::Path { max_depth } => {
-            if max_depth == 0 {
-                let message = "`max_depth` is 0, no path has 0 segments".to_owned();
-                add("invalid-integrator", message, "write at least 1, which shows emitters seen directly");
-            }
-        }
+    if scene.integrator.max_depth() == 0 {
+        let message = "`max_depth` is 0, no path has 0 segments".to_owned();
+        add("invalid-integrator", message, "write at least 1, which shows emitters seen directly");
     }
-    match scene.sampler {
-        Sampler::Independent { samples, seed: _ } => {
-            if samples == 0 {
-                add("invalid-sampler", "the sampler takes 0 samples".to_owned(), "write at least 1");
-            }
-        }
+    if scene.sampler.samples() == 0 {
+        add("invalid-sampler", "the sampler takes 0 samples".to_owned(), "write at least 1");
     }
 }

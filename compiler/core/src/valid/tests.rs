@@ -38,6 +38,7 @@ fn good() -> Scene {
         meshes,
         materials,
         shapes,
+        lights: Arena::default(),
         groups: Arena::default(),
         instances: Arena::default(),
         cameras,
@@ -98,6 +99,50 @@ fn meshes() {
     assert_eq!(only(mesh(|mesh| mesh.uvs = Some(Arc::new(vec![[f32::INFINITY; 2]; 24])))), at);
     let findings = with(mesh(|mesh| mesh.triangles = Arc::new(vec![[0, 1, 24], [0, 1, 2], [25, 1, 2]])));
     assert!(findings[0].message.contains("triangle 0 uses a vertex that is not there, and 1 more (there are 24)"));
+}
+
+fn light(kind: LightKind) -> impl FnOnce(&mut Scene) {
+    move |scene| {
+        let name = "l".to_owned();
+        scene.lights.push(LightSource { name, kind }, Origin::File { path: "a".to_owned(), place: "light".to_owned() });
+    }
+}
+
+#[test]
+fn lights() {
+    let at = ("invalid-light", "light".to_owned());
+    let grey = Color::Grey;
+    let point = |position, intensity| light(LightKind::Point { position, intensity });
+    let directional = |direction, irradiance| light(LightKind::Directional { direction, irradiance });
+    let environment = |radiance| light(LightKind::Environment { radiance });
+    assert_eq!(only(point([f64::NAN, 0.0, 0.0], grey(1.0))), at);
+    assert_eq!(only(point([0.0; 3], Color::Rgb([1.0, -1.0, 1.0]))), at);
+    assert_eq!(only(directional([0.0, 0.0, 2.0], grey(1.0))), at);
+    assert_eq!(only(directional([f64::NAN, 0.0, 1.0], grey(1.0))), at);
+    assert_eq!(only(environment(grey(f64::INFINITY))), at);
+    let spot = |target, angle, inner| {
+        light(LightKind::Spot { position: [0.0; 3], target, intensity: grey(1.0), angle, inner })
+    };
+    assert_eq!(only(spot([0.0; 3], 20.0, 20.0)), at);
+    assert_eq!(only(spot([0.0, f64::NAN, 0.0], 20.0, 20.0)), at);
+    assert_eq!(only(spot([0.0, 0.0, 1.0], 20.0, 21.0)), at);
+    assert_eq!(only(spot([0.0, 0.0, 1.0], 91.0, 20.0)), at);
+    assert_eq!(only(spot([0.0, 0.0, 1.0], f64::NAN, 20.0)), at);
+    assert_eq!(with(spot([0.0, 0.0, 1.0], 90.0, 0.0)), []);
+    assert_eq!(with(point([0.0; 3], Color::BLACK)), []);
+    let twice = |scene: &mut Scene| {
+        environment(grey(1.0))(scene);
+        environment(grey(2.0))(scene);
+        let (_, second) = scene.lights.iter_mut().last().expect("two");
+        second.name = "m".to_owned();
+    };
+    assert_eq!(only(twice).0, "second-environment");
+    // The good scene has an emitter called `a`.
+    let same = |scene: &mut Scene| {
+        environment(grey(1.0))(scene);
+        scene.lights.iter_mut().next().expect("one").1.name = "a".to_owned();
+    };
+    assert_eq!(only(same).0, "invalid-name");
 }
 
 #[test]

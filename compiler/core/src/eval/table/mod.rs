@@ -3,6 +3,7 @@
 
 mod functions;
 mod generators;
+mod lights;
 mod materials;
 mod meshes;
 mod settings;
@@ -27,6 +28,8 @@ pub enum Family {
     Material,
     /// What an emitter emits.
     Emission,
+    /// A light without a surface.
+    Light,
     /// A triangle mesh.
     Mesh,
     /// Moves or changes a mesh: `mesh |> stage(...)`.
@@ -49,9 +52,10 @@ pub enum Family {
 
 impl Family {
     /// All families in the order of the manual.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::Material,
         Self::Emission,
+        Self::Light,
         Self::Mesh,
         Self::Stage,
         Self::Camera,
@@ -68,6 +72,7 @@ impl Family {
         match self {
             Self::Material => "a material",
             Self::Emission => "an emission",
+            Self::Light => "a light",
             Self::Mesh => "a mesh",
             Self::Stage => "a stage",
             Self::Camera => "a camera",
@@ -251,8 +256,8 @@ pub(super) struct Site<'s> {
 
 /// All rows, family by family.
 pub fn table() -> impl Iterator<Item = &'static Constructor> {
-    let parts: [&'static [Constructor]; 6] =
-        [materials::ROWS, meshes::ROWS, generators::ROWS, stages::ROWS, settings::ROWS, functions::ROWS];
+    let parts: [&'static [Constructor]; 7] =
+        [materials::ROWS, lights::ROWS, meshes::ROWS, generators::ROWS, stages::ROWS, settings::ROWS, functions::ROWS];
     parts.into_iter().flatten()
 }
 

@@ -10,6 +10,14 @@ use super::{Args, Constructor, Family, Parameter, Problem};
 /// The largest side of an image; what the EXR readers of common tools still open.
 const LARGEST_SIDE: u32 = 65_536;
 
+/// The parameter of all integrators.
+const MAX_DEPTH: &[Parameter] = &[Parameter {
+    name: "max_depth",
+    ty: Ty::Whole,
+    default: None,
+    doc: "segments of a path, at least 1; 1 is emission seen directly",
+}];
+
 pub(super) const ROWS: &[Constructor] = &[
     Constructor {
         family: Family::Camera,
@@ -94,19 +102,46 @@ pub(super) const ROWS: &[Constructor] = &[
         family: Family::Integrator,
         name: "path",
         summary: "Unidirectional path tracing with next event estimation. Unbiased.",
-        params: &[Parameter {
-            name: "max_depth",
-            ty: Ty::Whole,
-            default: None,
-            doc: "segments of a path, at least 1; 1 is emission seen directly",
-        }],
+        params: MAX_DEPTH,
         positional: 0,
         example: "integrator = path(max_depth: 10)",
-        build: |args, _| match args.whole("max_depth").unwrap_or(0) {
-            0 => Err(Problem::new("max_depth", "`max_depth` must be at least 1")
-                .note("it counts the segments of a path, the camera's and the light's included")),
-            max_depth => Ok(Value::Integrator(Rc::new(Integrator::Path { max_depth }))),
-        },
+        build: |args, _| integrator(args, |max_depth| Integrator::Path { max_depth }),
+    },
+    Constructor {
+        family: Family::Integrator,
+        name: "bidirectional",
+        summary: "Bidirectional path tracing: paths from the camera and from the lights, connected. Unbiased.",
+        params: MAX_DEPTH,
+        positional: 0,
+        example: "integrator = bidirectional(max_depth: 10)",
+        build: |args, _| integrator(args, |max_depth| Integrator::Bidirectional { max_depth }),
+    },
+    Constructor {
+        family: Family::Integrator,
+        name: "light_tracing",
+        summary: "Paths from the lights, each vertex connected to the camera. Unbiased, but what a mirror or glass shows stays black.",
+        params: MAX_DEPTH,
+        positional: 0,
+        example: "integrator = light_tracing(max_depth: 10)",
+        build: |args, _| integrator(args, |max_depth| Integrator::LightTracing { max_depth }),
+    },
+    Constructor {
+        family: Family::Integrator,
+        name: "metropolis",
+        summary: "Metropolis light transport in primary sample space; samples are mutations per pixel. Unbiased.",
+        params: MAX_DEPTH,
+        positional: 0,
+        example: "integrator = metropolis(max_depth: 10)",
+        build: |args, _| integrator(args, |max_depth| Integrator::Metropolis { max_depth }),
+    },
+    Constructor {
+        family: Family::Integrator,
+        name: "photon_map",
+        summary: "Stochastic progressive photon mapping; samples are passes. Consistent: the blur goes with more passes.",
+        params: MAX_DEPTH,
+        positional: 0,
+        example: "integrator = photon_map(max_depth: 10)",
+        build: |args, _| integrator(args, |max_depth| Integrator::PhotonMap { max_depth }),
     },
     Constructor {
         family: Family::Sampler,
@@ -118,15 +153,41 @@ pub(super) const ROWS: &[Constructor] = &[
         ],
         positional: 0,
         example: "sampler = independent(samples: 32)",
-        build: |args, _| match args.whole("samples").unwrap_or(0) {
-            0 => Err(Problem::new("samples", "`samples` must be at least 1")),
-            samples => {
-                let seed = args.whole("seed").unwrap_or(0);
-                Ok(Value::Sampler(Rc::new(Sampler::Independent { samples, seed })))
-            }
-        },
+        build: |args, _| sampler(args, |samples, seed| Sampler::Independent { samples, seed }),
+    },
+    Constructor {
+        family: Family::Sampler,
+        name: "sobol",
+        summary: "Points of a Sobol sequence, which lie more evenly than random ones.",
+        params: &[
+            Parameter {
+                name: "samples",
+                ty: Ty::Whole,
+                default: None,
+                doc: "samples per pixel, at least 1; powers of 2 are the best",
+            },
+            Parameter { name: "seed", ty: Ty::Whole, default: Some("0"), doc: "what the points are scrambled with" },
+        ],
+        positional: 0,
+        example: "sampler = sobol(samples: 64)",
+        build: |args, _| sampler(args, |samples, seed| Sampler::Sobol { samples, seed }),
     },
 ];
+
+fn integrator(args: &Args, make: fn(u32) -> Integrator) -> Result<Value, Problem> {
+    match args.whole("max_depth").unwrap_or(0) {
+        0 => Err(Problem::new("max_depth", "`max_depth` must be at least 1")
+            .note("it counts the segments of a path, the camera's and the light's included")),
+        max_depth => Ok(Value::Integrator(Rc::new(make(max_depth)))),
+    }
+}
+
+fn sampler(args: &Args, make: fn(u32, u32) -> Sampler) -> Result<Value, Problem> {
+    match args.whole("samples").unwrap_or(0) {
+        0 => Err(Problem::new("samples", "`samples` must be at least 1")),
+        samples => Ok(Value::Sampler(Rc::new(make(samples, args.whole("seed").unwrap_or(0))))),
+    }
+}
 
 fn above_zero(args: &Args, name: &'static str, default: f64) -> Result<f64, Problem> {
     let value = args.number(name).unwrap_or(default);

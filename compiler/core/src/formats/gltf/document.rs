@@ -8,6 +8,8 @@ pub struct Document {
     pub asset: Asset,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub extensions_used: Vec<&'static str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extensions: Option<DocumentExtensions>,
     pub scene: usize,
     pub scenes: Vec<Scene>,
     pub nodes: Vec<Node>,
@@ -22,6 +24,45 @@ pub struct Document {
     pub buffer_views: Vec<BufferView>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub buffers: Vec<Buffer>,
+}
+
+#[derive(Serialize)]
+pub struct DocumentExtensions {
+    #[serde(rename = "KHR_lights_punctual")]
+    pub lights_punctual: Lights,
+}
+
+#[derive(Serialize)]
+pub struct Lights {
+    pub lights: Vec<Light>,
+}
+
+#[derive(Serialize)]
+pub struct Light {
+    pub name: String,
+    pub r#type: &'static str,
+    pub color: [f64; 3],
+    pub intensity: f64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub spot: Option<Spot>,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct Spot {
+    pub inner_cone_angle: f64,
+    pub outer_cone_angle: f64,
+}
+
+#[derive(Serialize)]
+pub struct NodeExtensions {
+    #[serde(rename = "KHR_lights_punctual")]
+    pub lights_punctual: LightIndex,
+}
+
+#[derive(Serialize)]
+pub struct LightIndex {
+    pub light: usize,
 }
 
 #[derive(Serialize)]
@@ -67,15 +108,16 @@ pub enum Filter {
 }
 
 #[derive(Serialize)]
-#[serde(tag = "type", rename_all = "lowercase")]
-pub enum Integrator {
-    Path { max_depth: u32 },
+pub struct Integrator {
+    pub r#type: &'static str,
+    pub max_depth: u32,
 }
 
 #[derive(Serialize)]
 #[serde(tag = "type", rename_all = "lowercase")]
 pub enum Sampler {
     Independent { samples: u32, seed: u32 },
+    Sobol { samples: u32, seed: u32 },
 }
 
 #[derive(Default, Serialize)]
@@ -91,6 +133,8 @@ pub struct Node {
     pub matrix: Option<[f64; 16]>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub children: Vec<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extensions: Option<NodeExtensions>,
 }
 
 #[derive(Serialize)]

@@ -12,8 +12,8 @@ use crate::formats::shared::camera;
 use crate::formats::shared::names::file_stem;
 use crate::formats::shared::text::{self, Head};
 use crate::ir::{
-    Affine, Axes, Bsdf, Camera, Emission as Light, Film, Filter, Group, Handle, Instance, Integrator, Material, Mesh,
-    Sampler, Scene, Shape,
+    Affine, Axes, Bsdf, Camera, Emission as Light, Film, Filter, Group, Handle, Instance, LightKind, LightSource,
+    Material, Mesh, Sampler, Scene, Shape, sub,
 };
 
 /// Writes all files of the target.
@@ -45,10 +45,20 @@ fn document(scene: &Scene, camera: &Camera, stem: &str) -> (doc::Document, Layou
     for instance in scene.instances.values() {
         nodes.push(made.instance(scene, instance));
     }
+    let mut lights = Vec::new();
+    for source in scene.lights.values() {
+        if let Some((light, mut node)) = light(source) {
+            node.extensions = Some(doc::NodeExtensions { lights_punctual: doc::LightIndex { light: lights.len() } });
+            lights.push(light);
+            nodes.push(node);
+        }
+    }
     nodes[0].children = (1..nodes.len()).collect();
 
     let Made { layout, meshes, materials, places: _, known_materials: _, known_meshes: _, known_groups: _ } = made;
-    let extensions: BTreeSet<_> = materials.iter().flat_map(|material| material.extensions.names()).collect();
+    let mut extensions: BTreeSet<_> = materials.iter().flat_map(|material| material.extensions.names()).collect();
+    let lights = (!lights.is_empty()).then_some(doc::DocumentExtensions { lights_punctual: doc::Lights { lights } });
+    extensions.extend(lights.iter().map(|_| "KHR_lights_punctual"));
     let buffers = if layout.bytes == 0 {
         Vec::new()
     } else {
@@ -64,6 +74,7 @@ fn document(scene: &Scene, camera: &Camera, stem: &str) -> (doc::Document, Layou
             extras: doc::Comment { comment: head },
         },
         extensions_used: extensions.into_iter().collect(),
+        extensions: lights,
         scene: 0,
         scenes: vec![doc::Scene { name: scene.name.clone(), nodes: vec![0], extras: settings(scene) }],
         nodes,
@@ -243,6 +254,32 @@ fn thickness(mesh: &Mesh) -> f64 {
     if smallest.is_finite() { smallest } else { 1.0 }
 }
 
+/// A light of KHR_lights_punctual and its node; none for an environment, which that extension has not.
+fn light(source: &LightSource) -> Option<(doc::Light, doc::Node)> {
+    let LightSource { name, kind } = source;
+    let mut node = doc::Node { name: name.clone(), ..doc::Node::default() };
+    let mut spot = None;
+    let kind_name = match kind {
+        LightKind::Environment { radiance: _ } => return None,
+        LightKind::Point { position, intensity: _ } => {
+            place(&mut node, &Affine::translation(*position));
+            "point"
+        }
+        LightKind::Spot { position, target, intensity: _, angle, inner } => {
+            place(&mut node, &names::aim(sub(*target, *position)).then(&Affine::translation(*position)));
+            let (inner_cone_angle, outer_cone_angle) = names::cone(*angle, *inner);
+            spot = Some(doc::Spot { inner_cone_angle, outer_cone_angle });
+            "spot"
+        }
+        LightKind::Directional { direction, irradiance: _ } => {
+            place(&mut node, &names::aim(*direction));
+            "directional"
+        }
+    };
+    let (color, intensity) = names::strength(kind.color());
+    Some((doc::Light { name: name.clone(), r#type: kind_name, color, intensity, spot }, node))
+}
+
 /// A camera looks along its node's -z with y up.
 fn camera_node(camera: &Camera) -> doc::Node {
     let name = camera.name.clone().unwrap_or_else(|| "camera".to_owned());
@@ -284,11 +321,10 @@ fn settings(scene: &Scene) -> doc::Settings {
         Filter::Box { radius } => doc::Filter::Box { radius: *radius },
         Filter::Gaussian { stddev, radius } => doc::Filter::Gaussian { stddev: *stddev, radius: *radius },
     };
-    let integrator = match &scene.integrator {
-        Integrator::Path { max_depth } => doc::Integrator::Path { max_depth: *max_depth },
-    };
+    let integrator = doc::Integrator { r#type: scene.integrator.word(), max_depth: scene.integrator.max_depth() };
     let sampler = match &scene.sampler {
         Sampler::Independent { samples, seed } => doc::Sampler::Independent { samples: *samples, seed: *seed },
+        Sampler::Sobol { samples, seed } => doc::Sampler::Sobol { samples: *samples, seed: *seed },
     };
     let film = doc::Film { width: *width, height: *height, filter };
     doc::Settings { film, integrator, sampler }

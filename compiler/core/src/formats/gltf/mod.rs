@@ -67,6 +67,18 @@ fn supports(feature: Feature) -> Support {
             Support::unsupported("glTF's index of refraction is at least 1, inside relative to outside")
         }
         Feature::BlackEmitter | Feature::ScatteringEmitter | Feature::ColouredEmitter => EMITTER,
+        Feature::Environment => Support::unsupported(
+            "glTF has no constant environment: EXT_lights_image_based takes prefiltered images, and few programs read it",
+        ),
+        Feature::SoftSpotLight => Support::approximate(
+            "KHR_lights_punctual leaves the fall-off between the two cones to the program that draws",
+            "with the curve that it recommends up to 0.25 of the intensity less in that ring, with 0.7 to 1 of its light (computed)",
+        ),
+        Feature::PointLight | Feature::SpotLight | Feature::DirectionalLight => Support::approximate(
+            "KHR_lights_punctual counts the intensity of a point in candela and that of a direction in lux",
+            "the numbers are those of W/sr and W/m2, as those of emitters are those of W/(m2 sr): lights and emitters of a \
+             scene keep their ratios",
+        ),
         Feature::SeveralCameras => super::ONE_CAMERA,
         Feature::Resolution => Support::approximate(
             "a glTF camera holds the ratio of width to height",
@@ -77,9 +89,15 @@ fn supports(feature: Feature) -> Support {
         | Feature::GaussianFilter
         | Feature::CutGaussianFilter
         | Feature::Path
+        | Feature::Bidirectional
+        | Feature::LightTracing
+        | Feature::Metropolis
+        | Feature::PhotonMap
         | Feature::EmissionOnly
         | Feature::IndirectLight
         | Feature::IndependentSampler
+        | Feature::SobolSampler
+        | Feature::SobolForLightPaths
         | Feature::Seed => EXTRAS,
     }
 }

@@ -1,6 +1,7 @@
 //! The conventions of glTF 2.0 for numbers, from its specification and those of its extensions.
 
-use crate::ir::{Affine, Color};
+use crate::formats::shared::camera::across;
+use crate::ir::{Affine, Color, Vec3, cross, normalized};
 
 /// `componentType` of 32-bit floats.
 pub const FLOAT: u32 = 5126;
@@ -32,6 +33,27 @@ pub fn base_color(eta: &Color, k: &Color) -> [f64; 3] {
 /// `ior` of KHR_materials_ior: the relative index of refraction, which may not be below 1.
 pub fn ior(interior: f64, exterior: f64) -> f64 {
     (interior / exterior).max(1.0)
+}
+
+/// `color` (0..1 per channel) and `intensity` of KHR_lights_punctual, whose product is what the Scene says. Its units are
+/// candela and lux; written are the numbers of W/sr and W/m2, as [`emission`] writes those of W/(m2 sr).
+pub fn strength(color: &Color) -> ([f64; 3], f64) {
+    emission(color)
+}
+
+/// A turn that takes -z to `direction`: lights of KHR_lights_punctual shine along their node's -z.
+pub fn aim(direction: Vec3) -> Affine {
+    let back = normalized(direction.map(|x| -x)).unwrap_or([0.0, 0.0, 1.0]);
+    let right = normalized(cross(across(back), back)).unwrap_or([1.0, 0.0, 0.0]);
+    let up = cross(back, right);
+    Affine { rows: [0, 1, 2].map(|axis| [right[axis], up[axis], back[axis], 0.0]) }
+}
+
+/// `innerConeAngle` and `outerConeAngle` of a spot in radians. They are halves of openings, and the inner one must be the
+/// smaller: a sharp edge becomes one of a millionth.
+pub fn cone(angle: f64, inner: f64) -> (f64, f64) {
+    let outer = angle.to_radians();
+    (inner.to_radians().min(outer * (1.0 - 1e-6)), outer)
 }
 
 /// `emissiveFactor` (0..1 per channel) and `emissiveStrength` (KHR_materials_emissive_strength), whose product is the
@@ -68,6 +90,20 @@ mod tests {
         let m = matrix(&Z_UP_TO_Y_UP);
         let at = |row: usize| m[row] + 2.0 * m[4 + row] + 3.0 * m[8 + row] + m[12 + row];
         assert_eq!([at(0), at(1), at(2), at(3)], [1.0, 3.0, -2.0, 1.0]);
+    }
+
+    #[test]
+    fn lights_shine_where_they_should() {
+        for direction in [[0.0, 0.0, -1.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.6, -0.8, 0.0], [0.48, 0.6, -0.64]] {
+            let turn = aim(direction);
+            let there = turn.point([0.0, 0.0, -1.0]);
+            assert!(there.iter().zip(direction).all(|(a, b)| (a - b).abs() < 1e-15), "{direction:?} {there:?}");
+            assert!((turn.determinant() - 1.0).abs() < 1e-15, "a turn, not a mirror");
+        }
+        let (inner, outer) = cone(90.0, 90.0);
+        assert!(inner < outer && outer == std::f64::consts::FRAC_PI_2 && inner > 0.999_99 * outer);
+        assert_eq!(cone(60.0, 0.0).0, 0.0);
+        assert_eq!(strength(&Color::Rgb([3.0, 1.5, 0.0])), ([1.0, 0.5, 0.0], 3.0));
     }
 
     #[test]

@@ -11,7 +11,8 @@ use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Line, Quoted};
 use crate::formats::{self, Emission};
 use crate::ir::{
-    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Instance, Integrator, Material, Sampler, Scene, Shape,
+    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Instance, Integrator, LightKind, LightSource,
+    Material, Sampler, Scene, Shape,
 };
 
 /// Writes all files of the target.
@@ -35,22 +36,31 @@ fn settings(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
     for (key, value) in names::FIXED {
         set(out, key, value)?;
     }
-    match &scene.integrator {
-        Integrator::Path { max_depth } => {
-            let depth = names::depth(count(*max_depth)).to_string();
-            // The limits per kind of scattering have defaults of their own (4 to 6).
-            for key in ["total", "diffuse", "glossy", "specular"] {
-                set(out, &format!("path.pathdepth.{key}"), &depth)?;
-            }
-            set(out, "path.russianroulette.depth", &depth)?;
+    let (kind, seed, samples) = match &scene.sampler {
+        Sampler::Independent { samples, seed } => ("random", seed, samples),
+        Sampler::Sobol { samples, seed } => ("sobol", seed, samples),
+    };
+    set(out, "sampler.type", &format!("\"{}\"", kind.to_uppercase()))?;
+    // No sampling by noise estimate.
+    set(out, &format!("sampler.{kind}.adaptive.strength"), "0")?;
+    let max_depth = match &scene.integrator {
+        Integrator::Path { max_depth } => max_depth,
+        Integrator::Bidirectional { max_depth }
+        | Integrator::LightTracing { max_depth }
+        | Integrator::Metropolis { max_depth }
+        | Integrator::PhotonMap { max_depth } => {
+            writeln!(out, "# {}", text::replaced(&scene.integrator, "luxcore"))?;
+            max_depth
         }
+    };
+    let depth = names::depth(count(*max_depth)).to_string();
+    // The limits per kind of scattering have defaults of their own (4 to 6).
+    for key in ["total", "diffuse", "glossy", "specular"] {
+        set(out, &format!("path.pathdepth.{key}"), &depth)?;
     }
-    match &scene.sampler {
-        Sampler::Independent { samples, seed } => {
-            set(out, "renderengine.seed", &names::seed(*seed).to_string())?;
-            set(out, "batch.haltspp", &count(*samples).to_string())?;
-        }
-    }
+    set(out, "path.russianroulette.depth", &depth)?;
+    set(out, "renderengine.seed", &names::seed(*seed).to_string())?;
+    set(out, "batch.haltspp", &count(*samples).to_string())?;
     let Film { width, height, filter } = &scene.film;
     set(out, "film.width", &count(*width).to_string())?;
     set(out, "film.height", &count(*height).to_string())?;
@@ -133,6 +143,12 @@ fn description(scene: &Scene, meshes: &str, out: &mut dyn Write) -> io::Result<(
         }
     }
     writeln!(out)?;
+    let lights = Words::default().assign(scene.lights.values().map(|light| light.name.as_str()));
+    for (light, id) in scene.lights.values().zip(&lights) {
+        let LightSource { name, kind } = light;
+        comment(name, id, out)?;
+        light_source(kind, id, out)?;
+    }
     // LuxCore has no groups: each use of a shape is an object, and the meshes are shared.
     let own = scene.shapes.values().map(|shape| (shape.name.clone(), shape, shape.transform));
     let placed_by = |instance: &Instance| {
@@ -208,6 +224,43 @@ fn emission_of(radiance: &Color, id: &str, out: &mut dyn Write) -> io::Result<()
     put(".theta", "90")?;
     // The default leaves meshes of more than 256 triangles to chance hits.
     put(".directlightsampling.type", "\"ENABLED\"")
+}
+
+/// A light without a surface; without power and efficiency its strength is colour times gain.
+fn light_source(kind: &LightKind, id: &str, out: &mut dyn Write) -> io::Result<()> {
+    let mut put = |name: &str, value: &str| set(out, &format!("scene.lights.{id}.{name}"), value);
+    match kind {
+        LightKind::Environment { radiance } => {
+            put("type", "\"constantinfinite\"")?;
+            put("color", &rgb(radiance))?;
+            put("gain", "1 1 1")
+        }
+        LightKind::Point { position, intensity } => {
+            put("type", "\"point\"")?;
+            put("position", &row(position))?;
+            put("color", &rgb(intensity))?;
+            put("gain", &row(&[names::POINT_GAIN; 3]))?;
+            put("power", "0")?;
+            put("efficiency", "0")
+        }
+        LightKind::Spot { position, target, intensity, angle, inner } => {
+            put("type", "\"spot\"")?;
+            put("position", &row(position))?;
+            put("target", &row(target))?;
+            put("coneangle", &Num(*angle).to_string())?;
+            put("conedeltaangle", &Num(angle - inner).to_string())?;
+            put("color", &rgb(intensity))?;
+            put("gain", "1 1 1")?;
+            put("power", "0")?;
+            put("efficiency", "0")
+        }
+        LightKind::Directional { direction, irradiance } => {
+            put("type", "\"sharpdistant\"")?;
+            put("direction", &row(direction))?;
+            put("color", &rgb(irradiance))?;
+            put("gain", "1 1 1")
+        }
+    }
 }
 
 /// The transform of a shape, by columns as LuxCore writes matrices.

@@ -36,6 +36,10 @@ pub fn gaussian_alpha(stddev: f64) -> f64 {
 /// Clipping distances in force where a file gives none: `cliphither` and `clipyon`.
 pub const DEFAULT_CLIPPING: (f64, f64) = (1e-3, 1e30);
 
+/// The gain of a point light: LuxCore spreads colour times gain over the whole sphere of directions, 4 pi steradians
+/// (`pointlight.cpp`; measured with 2.11.2), where the Scene counts what goes into each steradian.
+pub const POINT_GAIN: f64 = 4.0 * std::f64::consts::PI;
+
 /// Settings that every scene has, with the reason of each.
 pub const FIXED: &[(&str, &str)] = &[
     ("renderengine.type", "\"PATHCPU\""),
@@ -48,9 +52,6 @@ pub const FIXED: &[(&str, &str)] = &[
     ("path.hybridbackforward.enable", "0"),
     // The choice of lights by power; LuxCore's default is a logarithm of it.
     ("lightstrategy.type", "\"POWER\""),
-    ("sampler.type", "\"RANDOM\""),
-    // No sampling by noise estimate.
-    ("sampler.random.adaptive.strength", "0"),
 ];
 
 #[cfg(test)]

@@ -59,6 +59,11 @@ fn supports(version: Version, feature: Feature) -> Support {
         | Feature::BlackEmitter
         | Feature::ScatteringEmitter
         | Feature::ColouredEmitter
+        | Feature::Environment
+        | Feature::PointLight
+        | Feature::SpotLight
+        | Feature::SoftSpotLight
+        | Feature::DirectionalLight
         | Feature::VertexNormals
         | Feature::NoNormals
         | Feature::TextureCoordinates
@@ -71,8 +76,41 @@ fn supports(version: Version, feature: Feature) -> Support {
         | Feature::PixelFilter
         | Feature::GaussianFilter
         | Feature::Path
+        | Feature::LightTracing
         | Feature::EmissionOnly
         | Feature::IndependentSampler => Exact,
+        Feature::Bidirectional => match version {
+            Version::V05 | Version::V06 => Exact,
+            Version::V3 => Support::unsupported(
+                "Mitsuba 3.9.1 has no bidirectional path tracing; path tracing of the same depth stands for it",
+            ),
+        },
+        Feature::Metropolis => match version {
+            Version::V05 | Version::V06 => Exact,
+            Version::V3 => Support::unsupported(
+                "Mitsuba 3.9.1 has no Metropolis light transport; path tracing of the same depth stands for it",
+            ),
+        },
+        Feature::PhotonMap => match version {
+            Version::V05 | Version::V06 => Support::approximate(
+                "`sppm` has no depth below 2",
+                "exact from 2 on; as photon mapping is, consistent and not unbiased: blurred over at first five pixels' \
+                 share of the scene's radius, less with each pass (`sppm.cpp` of 0.6)",
+            ),
+            Version::V3 => Support::unsupported(
+                "Mitsuba 3.9.1 has no photon mapping; path tracing of the same depth stands for it",
+            ),
+        },
+        Feature::SobolSampler => match version {
+            Version::V05 | Version::V06 => Exact,
+            Version::V3 => Support::unsupported(
+                "Mitsuba 3.9.1 has no Sobol sequence; independent samples stand for it: more noise, the same expected image",
+            ),
+        },
+        Feature::SobolForLightPaths => Support::unsupported(
+            "Mitsuba's algorithms that begin at lights take independent random numbers; these stand for it: the same \
+             expected image",
+        ),
         Feature::SeveralCameras => super::ONE_CAMERA,
         Feature::CutGaussianFilter => Support::approximate(
             "Mitsuba cuts its Gaussian at four standard deviations",

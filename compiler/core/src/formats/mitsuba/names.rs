@@ -3,6 +3,8 @@
 //! Where a spelling has no other source it was read in the source of Mitsuba 0.6 (`src/librender`, `src/bsdfs`,
 //! `src/films`), the schema `data/schema/scene.xsd` that it comes with, and the plugin reference of Mitsuba 3.
 
+use crate::ir::LightKind;
+
 /// A version of the file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Version {
@@ -43,6 +45,16 @@ impl Version {
     }
 }
 
+/// The plugin of a light.
+pub fn emitter(kind: &LightKind) -> &'static str {
+    match kind {
+        LightKind::Environment { radiance: _ } => "constant",
+        LightKind::Point { position: _, intensity: _ } => "point",
+        LightKind::Spot { position: _, target: _, intensity: _, angle: _, inner: _ } => "spot",
+        LightKind::Directional { direction: _, irradiance: _ } => "directional",
+    }
+}
+
 /// Names of parameters.
 #[derive(Debug)]
 pub struct Names {
@@ -54,6 +66,8 @@ pub struct Names {
     pub sample_count: &'static str,
     /// Sampler: seed; none where the plugin `independent` has none (0.x).
     pub seed: Option<&'static str>,
+    /// Whether the version has the plugins `bdpt`, `pssmlt`, `sppm` and `sobol`: 3 has none of them (plugins of 3.9.1).
+    pub light_paths: bool,
     /// Sensor and shape: the transform.
     pub to_world: &'static str,
     /// Sensor: the axis of `fov`.
@@ -79,6 +93,9 @@ pub struct Names {
     pub ext_eta: Option<&'static str>,
     /// Conductor: factor of the reflectance.
     pub specular_reflectance: &'static str,
+    /// Spot: half of the cone's opening, and of the part of full intensity, in degrees (`m_cosCutoffAngle` and
+    /// `m_cosBeamWidth` are cosines of the whole numbers in `spot.cpp` of 0.6 and 3.9.1).
+    pub spot: (&'static str, &'static str),
     /// Mesh: flat faces.
     pub face_normals: &'static str,
 }
@@ -88,6 +105,7 @@ static CAMEL: Names = Names {
     rr_depth: "rrDepth",
     sample_count: "sampleCount",
     seed: None,
+    light_paths: true,
     to_world: "toWorld",
     fov_axis: "fovAxis",
     near_clip: "nearClip",
@@ -100,6 +118,7 @@ static CAMEL: Names = Names {
     ext_ior: "extIOR",
     ext_eta: Some("extEta"),
     specular_reflectance: "specularReflectance",
+    spot: ("cutoffAngle", "beamWidth"),
     face_normals: "faceNormals",
 };
 
@@ -108,6 +127,7 @@ static SNAKE: Names = Names {
     rr_depth: "rr_depth",
     sample_count: "sample_count",
     seed: Some("seed"),
+    light_paths: false,
     to_world: "to_world",
     fov_axis: "fov_axis",
     near_clip: "near_clip",
@@ -120,12 +140,23 @@ static SNAKE: Names = Names {
     ext_ior: "ext_ior",
     ext_eta: None,
     specular_reflectance: "specular_reflectance",
+    spot: ("cutoff_angle", "beam_width"),
     face_normals: "face_normals",
 };
 
 /// Segments that are followed before Russian roulette may end a path: the default of all versions, written out so
 /// that a file says what is done.
 pub const RR_DEPTH: u32 = 5;
+
+/// `sppm` refuses a depth below 2 (`sppm.cpp` of 0.6). All plugins count segments as the Scene does: 1 is emission seen
+/// directly, 2 direct light (the manual of 0.6, `maxDepth` of `bdpt`, `ptracer`, `pssmlt` and `sppm`; that of 3.9.1,
+/// `max_depth` of `ptracer`).
+pub fn photon_depth(segments: u32) -> u32 {
+    segments.max(2)
+}
+
+/// The share of photons that `sppm` keeps from pass to pass; PBRT's is fixed to this, Mitsuba's default is 0.7.
+pub const PHOTON_ALPHA: f64 = 2.0 / 3.0;
 
 /// Clipping distances that are in force where a file gives none: `nearClip` and `farClip` of `sensor.cpp` in 0.6,
 /// `near_clip` and `far_clip` of 3.9.1.

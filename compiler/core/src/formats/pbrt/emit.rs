@@ -7,13 +7,14 @@ use std::io::{self, Write};
 
 use super::names::{self, Version};
 use crate::files::Sink;
+use crate::formats::shared::camera;
 use crate::formats::shared::names::{Words, file_stem};
 use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Line, Quoted};
 use crate::formats::{self, Emission};
 use crate::ir::{
-    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Group, Instance, Integrator, Material, Sampler,
-    Scene, Shape,
+    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Group, Instance, Integrator, LightKind, LightSource,
+    Material, Sampler, Scene, Shape,
 };
 
 /// Writes all files of the target.
@@ -75,20 +76,44 @@ fn settings(version: Version, scene: &Scene, camera: &Camera, out: &mut dyn Writ
             )?;
         }
     }
-    match &scene.sampler {
-        Sampler::Independent { samples, seed } => {
-            if *seed != 0 {
-                // v3 has no seed; v4 reads `--seed` only where the file gives none.
-                writeln!(out, "# The seed is {seed}: pbrt-v4 takes it as `--seed {seed}`.")?;
-            }
-            let samples = count(*samples);
-            writeln!(out, "Sampler \"{}\" \"integer pixelsamples\" [{samples}]", names.sampler)?;
-        }
+    let (sampler, samples, seed) = match &scene.sampler {
+        Sampler::Independent { samples, seed } => (names.sampler, *samples, *seed),
+        Sampler::Sobol { samples, seed } => ("sobol", *samples, *seed),
+    };
+    if seed != 0 {
+        // v3 has no seed; v4 reads `--seed` only where the file gives none.
+        writeln!(out, "# The seed is {seed}: pbrt-v4 takes it as `--seed {seed}`.")?;
     }
+    let samples = count(samples);
+    writeln!(out, "Sampler \"{sampler}\" \"integer pixelsamples\" [{samples}]")?;
+    integrator(version, scene, samples, out)
+}
+
+fn integrator(version: Version, scene: &Scene, samples: u32, out: &mut dyn Write) -> io::Result<()> {
+    let names = version.names();
+    let mut write = |kind: &str, depth: u32, more: &str| {
+        writeln!(out, "Integrator \"{kind}\" \"integer maxdepth\" [{depth}]{more}")
+    };
+    let depth = |segments: &u32| names::max_depth(count(*segments));
     match &scene.integrator {
-        Integrator::Path { max_depth } => {
-            let depth = names::max_depth(count(*max_depth));
-            writeln!(out, "Integrator \"path\" \"integer maxdepth\" [{depth}]{}", names.integrator)
+        Integrator::Path { max_depth } => write("path", depth(max_depth), names.integrator),
+        Integrator::Bidirectional { max_depth } => write("bdpt", depth(max_depth), names.bidirectional),
+        Integrator::LightTracing { max_depth } => match names.light_tracing {
+            Some(kind) => write(kind, depth(max_depth), ""),
+            None => {
+                writeln!(out, "# {}", text::replaced(&scene.integrator, version.target()))?;
+                let (depth, more) = (depth(max_depth), names.integrator);
+                writeln!(out, "Integrator \"path\" \"integer maxdepth\" [{depth}]{more}")
+            }
+        },
+        Integrator::Metropolis { max_depth } => {
+            let more = format!(" \"integer mutationsperpixel\" [{samples}]{}", names.metropolis);
+            write("mlt", depth(max_depth), &more)
+        }
+        Integrator::PhotonMap { max_depth } => {
+            let passes = names.passes.map(|name| format!(" \"integer {name}\" [{samples}]")).unwrap_or_default();
+            let more = format!("{passes} \"float radius\" [{}]", Num(camera::photon_radius(scene)));
+            write("sppm", names::photon_depth(count(*max_depth)), &more)
         }
     }
 }
@@ -103,6 +128,11 @@ fn description(version: Version, scene: &Scene, meshes: &str, out: &mut dyn Writ
             writeln!(out, "# {}", Line(name))?;
         }
         material(version, bsdf, id, out)?;
+    }
+    for item in scene.lights.values() {
+        let LightSource { name, kind } = item;
+        writeln!(out, "\n# {}", Line(name))?;
+        light(version, kind, out)?;
     }
     let surface = |shape: &Shape, out: &mut dyn Write| {
         let Shape { name, mesh, transform, material, emission } = shape;
@@ -138,6 +168,38 @@ fn description(version: Version, scene: &Scene, meshes: &str, out: &mut dyn Writ
         writeln!(out, "\nWorldEnd")?;
     }
     Ok(())
+}
+
+/// A light without a surface. v4 divides each of them by the luminance of its white, as it does with emitting surfaces, so
+/// that the numbers pass through as long as there is neither `scale` nor `power` nor `illuminance` (`lights.cpp`, `Create`
+/// of each light). Light of `distant` goes from `from` to `to`, and `L` is the irradiance across it (`Sample_Li`).
+fn light(version: Version, kind: &LightKind, out: &mut dyn Write) -> io::Result<()> {
+    let point = version.names().point;
+    match kind {
+        LightKind::Environment { radiance } => {
+            writeln!(out, "LightSource \"infinite\" \"rgb L\" [{}]", rgb(radiance))
+        }
+        LightKind::Point { position, intensity } => {
+            let from = Row(position, " ");
+            writeln!(out, "LightSource \"point\" \"{point} from\" [{from}] \"rgb I\" [{}]", rgb(intensity))
+        }
+        LightKind::Spot { position, target, intensity, angle, inner } => writeln!(
+            out,
+            "LightSource \"spot\" \"{point} from\" [{}] \"{point} to\" [{}] \"rgb I\" [{}] \"float coneangle\" [{}] \"float \
+             conedeltaangle\" [{}]",
+            Row(position, " "),
+            Row(target, " "),
+            rgb(intensity),
+            Num(*angle),
+            Num(angle - inner)
+        ),
+        LightKind::Directional { direction, irradiance } => writeln!(
+            out,
+            "LightSource \"distant\" \"{point} from\" [0 0 0] \"{point} to\" [{}] \"rgb L\" [{}]",
+            Row(direction, " "),
+            rgb(irradiance)
+        ),
+    }
 }
 
 fn material(version: Version, bsdf: &Bsdf, id: &str, out: &mut dyn Write) -> io::Result<()> {

@@ -37,6 +37,25 @@ const CORRELATED: Support = Support::approximate(
     "up to 1 % per tile at `alpha` 0.5, up to 3 % brighter at 1 (rs_pbrt 0.9.12 against Mitsuba 3.9.1)",
 );
 
+const SOFT4: Support = Support::approximate(
+    "between the two cones pbrt-v4's spot rises as a smooth step of the cosine, not linearly with the angle",
+    "exact outside of that ring; in it up to 0.11 of the intensity more where it is narrow, with 1.03 of its light, up to 0.34 \
+     and 1.5 where `inner` is 0 (computed from `lights.cpp`)",
+);
+
+const SOFT3: Support = Support::approximate(
+    "between the two cones PBRT v3's spot rises with the fourth power of the cosine's share, not linearly with the angle",
+    "exact outside of that ring; in it up to 0.47 of the intensity less, with 0.4 to 0.6 of its light (computed from \
+     `spot.cpp`)",
+);
+
+const PHOTONS: Support = Support::approximate(
+    "PBRT bounds a photon's path and the camera's path each by itself",
+    "exact for diffuse surfaces and depths from 2 on; behind specular surfaces paths of up to twice the depth; as photon \
+     mapping is, consistent and not unbiased: blurred over at first five pixels' share of the scene's radius, less with \
+     each pass (`sppm.cpp`)",
+);
+
 fn supports_v4(feature: Feature) -> Support {
     use Support::Exact;
     match feature {
@@ -48,6 +67,10 @@ fn supports_v4(feature: Feature) -> Support {
         | Feature::ThinnerInside
         | Feature::BlackEmitter
         | Feature::ScatteringEmitter
+        | Feature::Environment
+        | Feature::PointLight
+        | Feature::SpotLight
+        | Feature::DirectionalLight
         | Feature::VertexNormals
         | Feature::NoNormals
         | Feature::TextureCoordinates
@@ -61,9 +84,22 @@ fn supports_v4(feature: Feature) -> Support {
         | Feature::GaussianFilter
         | Feature::CutGaussianFilter
         | Feature::Path
+        | Feature::Bidirectional
+        | Feature::Metropolis
         | Feature::EmissionOnly
         | Feature::IndirectLight
-        | Feature::IndependentSampler => Exact,
+        | Feature::IndependentSampler
+        | Feature::SobolSampler => Exact,
+        Feature::SoftSpotLight => SOFT4,
+        Feature::LightTracing => Support::approximate(
+            "pbrt-v4's `lightpath` does not show an environment seen directly",
+            "exact where no environment is in view (`LightPathIntegrator::EvaluatePixelSample`)",
+        ),
+        Feature::PhotonMap => PHOTONS,
+        Feature::SobolForLightPaths => Support::approximate(
+            "pbrt-v4's `mlt` and the photons of its `sppm` take random numbers of their own",
+            "other noise, the same expected image; exact for `lightpath`",
+        ),
         Feature::ColouredDiffuse => Support::approximate(
             "pbrt-v4 is always spectral: an RGB reflectance becomes a smooth spectrum",
             "one bounce to 0.1 %; a Cornell box with saturated walls 1.008, 0.995, 1.000 in its mean R, G, B, dark \
@@ -119,6 +155,10 @@ fn supports_v3(feature: Feature) -> Support {
         | Feature::BlackEmitter
         | Feature::ScatteringEmitter
         | Feature::ColouredEmitter
+        | Feature::Environment
+        | Feature::PointLight
+        | Feature::SpotLight
+        | Feature::DirectionalLight
         | Feature::VertexNormals
         | Feature::NoNormals
         | Feature::TextureCoordinates
@@ -132,6 +172,8 @@ fn supports_v3(feature: Feature) -> Support {
         | Feature::GaussianFilter
         | Feature::CutGaussianFilter
         | Feature::Path
+        | Feature::Bidirectional
+        | Feature::Metropolis
         | Feature::EmissionOnly
         | Feature::IndirectLight
         | Feature::IndependentSampler => Exact,
@@ -154,6 +196,18 @@ fn supports_v3(feature: Feature) -> Support {
              shadowing are height-correlated",
             "a Cornell box with a block of rough glass 0.94 in its mean at `alpha` 0.1, 0.96 at 0.3 (rs_pbrt 0.9.12 \
              against Mitsuba 3.9.1); PBRT v3 itself was not measured",
+        ),
+        Feature::SoftSpotLight => SOFT3,
+        Feature::LightTracing => {
+            Support::unsupported("PBRT v3 has no light tracing; path tracing of the same depth stands for it")
+        }
+        Feature::PhotonMap => PHOTONS,
+        Feature::SobolSampler => Support::approximate(
+            "PBRT v3 raises the number of samples to the next power of 2",
+            "exact for powers of 2; less noise for others (`sobol.h`)",
+        ),
+        Feature::SobolForLightPaths => Support::unsupported(
+            "PBRT v3's `mlt` takes independent random numbers and its `sppm` a Halton sequence: the same expected image",
         ),
         Feature::ClippingPlanes => NO_CLIPPING,
         Feature::SeveralCameras => super::ONE_CAMERA,

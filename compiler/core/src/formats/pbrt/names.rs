@@ -47,6 +47,17 @@ pub struct Names {
     /// `Integrator "path"`: parameters beside the depth. v3's default light choice, "spatial", does not end with a
     /// hundred thousand emitting triangles (measured with rs_pbrt 0.9.12 and pbrt-v3); v4's default is written out.
     pub integrator: &'static str,
+    /// `Integrator "bdpt"`: parameters beside the depth. v3's light choice is written out, v4 takes no such parameter there
+    /// and refuses what it does not take.
+    pub bidirectional: &'static str,
+    /// `Integrator "mlt"`: parameters beside depth and samples.
+    pub metropolis: &'static str,
+    /// Light tracing: v4's `lightpath`; v3 has none.
+    pub light_tracing: Option<&'static str>,
+    /// `Integrator "sppm"`: the number of passes; none where they are the sampler's samples (v4, `SPPMIntegrator::Render`).
+    pub passes: Option<&'static str>,
+    /// The type of points.
+    pub point: &'static str,
     /// Whether a file ends with `WorldEnd`: v3 needs it, v4 refuses it.
     pub world_end: bool,
     /// Diffuse material: type, parameter, further parameters.
@@ -66,6 +77,11 @@ static V3: Names = Names {
     filter_radius: ("xwidth", "ywidth"),
     sampler: "random",
     integrator: " \"float rrthreshold\" [1] \"string lightsamplestrategy\" [\"power\"]",
+    bidirectional: " \"string lightsamplestrategy\" [\"power\"]",
+    metropolis: "",
+    light_tracing: None,
+    passes: Some("iterations"),
+    point: "point",
     world_end: true,
     diffuse: ("matte", "Kd", " \"float sigma\" [0]"),
     conductor: "metal",
@@ -79,6 +95,11 @@ static V4: Names = Names {
     filter_radius: ("xradius", "yradius"),
     sampler: "independent",
     integrator: " \"string lightsampler\" [\"bvh\"] \"bool regularize\" [false]",
+    bidirectional: " \"bool regularize\" [false]",
+    metropolis: " \"bool regularize\" [false]",
+    light_tracing: Some("lightpath"),
+    passes: None,
+    point: "point3",
     world_end: false,
     diffuse: ("diffuse", "reflectance", ""),
     conductor: "conductor",
@@ -94,9 +115,17 @@ pub fn fov(fov_x: f64, film: &Film) -> f64 {
     if width > height { camera::fov_y(fov_x, film) } else { fov_x }
 }
 
-/// `maxdepth` counts bounces: one less than the Scene's segments.
+/// `maxdepth` counts bounces: one less than the Scene's segments. So do all integrators: `bdpt` and `mlt` join subpaths of s
+/// and t vertices, s + t - 1 segments, with a depth of s + t - 2 (`bdpt.cpp`, `mlt.cpp`; `integrators.cpp` of v4); v4's
+/// `lightpath` connects `maxdepth` surfaces to the camera. `sppm` bounds the path from the camera and the photon's path
+/// each by itself; with a diffuse surface in front of the camera the sum is that of the others.
 pub fn max_depth(segments: u32) -> u32 {
     segments.saturating_sub(1)
+}
+
+/// The depth of `sppm`: with 0 it renders nothing, with 1 emission and direct light (`sppm.cpp`).
+pub fn photon_depth(segments: u32) -> u32 {
+    max_depth(segments).max(1)
 }
 
 /// v3's Gaussian is `exp(-alpha x^2) - exp(-alpha r^2)`, alpha = 1 / (2 stddev^2); v4 takes the standard deviation.

@@ -29,6 +29,7 @@ pub fn empty(name: &str) -> Scene {
         meshes: Arena::default(),
         materials: Arena::default(),
         shapes: Arena::default(),
+        lights: Arena::default(),
         groups: Arena::default(),
         instances: Arena::default(),
         cameras,

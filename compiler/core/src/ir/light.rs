@@ -1,0 +1,79 @@
+//! Lights without a surface: the environment, points, spots, and light from one direction.
+
+use super::{Color, Vec3};
+
+/// A light that is no surface. Emitters with a surface are [`super::Shape`]s with an emission.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LightSource {
+    /// As the author wrote it, with the instances and loops around it; unique among all emitters of the scene.
+    pub name: String,
+    /// What it sends out.
+    pub kind: LightKind,
+}
+
+/// What a light sends out, in scene coordinates. No light is seen by the camera but the environment.
+///
+/// | | Mitsuba | PBRT v3, v4 | LuxCore | glTF |
+/// |---|---|---|---|---|
+/// | `Environment` | `constant`, `radiance` | `infinite`, `L` | `constantinfinite`, `color` | cannot be said |
+/// | `Point` | `point`, `position`, `intensity` | `point`, `from`, `I` | `point`, `position`, `color`, gain 4 pi | `KHR_lights_punctual` `point`, the node's place |
+/// | `Spot` | `spot`, `cutoff_angle`, `beam_width` | `spot`, `coneangle`, `conedeltaangle` | `spot` | `KHR_lights_punctual` `spot` |
+/// | `Directional` | `directional`, `direction`, `irradiance` | `distant`, `from` 0 0 0, `to` the direction, `L` | `sharpdistant`, `direction`, `color` | `KHR_lights_punctual` `directional`, along the node's -z |
+#[derive(Clone, Debug, PartialEq)]
+pub enum LightKind {
+    /// Light from everywhere behind the surfaces, the same from all directions; a scene has at most one.
+    Environment {
+        /// Radiance in W/(m2 sr), >= 0 per channel.
+        radiance: Color,
+    },
+    /// A point that sends the same in all directions.
+    Point {
+        /// Where it is.
+        position: Vec3,
+        /// Radiant intensity in W/sr, >= 0 per channel. At the distance r the irradiance across the direction is intensity / r^2.
+        intensity: Color,
+    },
+    /// A point that sends light into a cone: the whole intensity within `inner` of the axis, from there linearly with the
+    /// angle to nothing at `angle` (`spot` of all Mitsubas).
+    Spot {
+        /// Where it is.
+        position: Vec3,
+        /// A point on the axis, not equal to `position`.
+        target: Vec3,
+        /// Radiant intensity in W/sr within `inner` of the axis, >= 0 per channel.
+        intensity: Color,
+        /// Half of the cone's opening in degrees, 0 < angle <= 90.
+        angle: f64,
+        /// Half of the opening of the inner cone in degrees, 0 <= inner <= angle; equal to `angle` for a sharp edge.
+        inner: f64,
+    },
+    /// Parallel light from infinitely far away.
+    Directional {
+        /// Where the light travels to; needs no unit length, but has one.
+        direction: Vec3,
+        /// Irradiance in W/m2 on a surface across the direction, >= 0 per channel.
+        irradiance: Color,
+    },
+}
+
+impl LightKind {
+    /// Its strength, whatever the unit.
+    pub fn color(&self) -> &Color {
+        match self {
+            Self::Environment { radiance } => radiance,
+            Self::Point { position: _, intensity } => intensity,
+            Self::Spot { position: _, target: _, intensity, angle: _, inner: _ } => intensity,
+            Self::Directional { direction: _, irradiance } => irradiance,
+        }
+    }
+
+    /// The constructor that makes it.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Environment { radiance: _ } => "environment",
+            Self::Point { position: _, intensity: _ } => "point",
+            Self::Spot { position: _, target: _, intensity: _, angle: _, inner: _ } => "spot",
+            Self::Directional { direction: _, irradiance: _ } => "directional",
+        }
+    }
+}
