@@ -1,7 +1,7 @@
 //! Rule `many-materials`: few kinds of scattering in one scene.
 #![doc = include_str!("many_materials.md")]
 
-use super::{Level, Report, Rule, Subject};
+use super::{Level, Report, Rule, Subject, also};
 
 use std::collections::BTreeMap;
 
@@ -31,13 +31,16 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
         return;
     }
     let list: Vec<&str> = kinds.keys().copied().collect();
-    report.add(
+    let finding = report.add(
         &scene.origin,
         format!("the scene has {} kinds of scattering", kinds.len()),
         "this scene",
         &format!("they are {}; a difference between renderers cannot be told apart by them", list.join(", ")),
         format!("keep at most {KINDS}, or make two scenes"),
     );
+    for (kind, origin) in kinds {
+        also(finding, origin, kind);
+    }
 }
 
 fn kind(bsdf: &Bsdf) -> &'static str {

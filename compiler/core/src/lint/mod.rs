@@ -3,6 +3,7 @@
 //! A rule is a file with its page (`DOC`), and a line in [`RULES`].
 
 mod black_surface;
+mod large_extent;
 mod long_brief;
 mod many_materials;
 mod missing_normals;
@@ -129,6 +130,7 @@ impl<'a> Subject<'a> {
 /// All rules, by name.
 pub static RULES: &[Rule] = &[
     black_surface::RULE,
+    large_extent::RULE,
     long_brief::RULE,
     many_materials::RULE,
     missing_normals::RULE,

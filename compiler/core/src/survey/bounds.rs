@@ -89,8 +89,8 @@ impl Bounds {
         let mut high = [0.0; 3];
         for (axis, row) in map.rows.iter().enumerate() {
             (low[axis], high[axis]) = (row[3], row[3]);
-            for from in 0..3 {
-                let (a, b) = (row[from] * self.low[from], row[from] * self.high[from]);
+            for ((factor, from_low), from_high) in row.iter().zip(self.low).zip(self.high) {
+                let (a, b) = (factor * from_low, factor * from_high);
                 low[axis] += a.min(b);
                 high[axis] += a.max(b);
             }

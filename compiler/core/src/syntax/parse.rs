@@ -59,7 +59,8 @@ const TOP: usize = 1 << 16;
 
 /// The tree of a scene file with nothing but its `scene` statement; none for a library, or where the statement is broken.
 pub fn header(file: FileId, text: &str) -> Option<Tree> {
-    let top = &text[..text.floor_char_boundary(TOP)];
+    let cut = (0..=TOP.min(text.len())).rev().find(|at| text.is_char_boundary(*at)).unwrap_or(0);
+    let top = &text[..cut];
     // A statement that is cut at the end of the top does not parse, and is found in the whole text.
     header_of(file, top).or_else(|| (top.len() < text.len()).then(|| header_of(file, text)).flatten())
 }

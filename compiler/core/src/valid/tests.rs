@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::diag::{Origin, Severity};
+use crate::diag::Origin;
 use crate::ir::*;
 use crate::mesh::boxed;
 
