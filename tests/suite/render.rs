@@ -233,9 +233,9 @@ fn lights_give_the_radiance_of_the_formula() {
             1e-4,
         ),
     ];
-    for renderer in ["mitsuba-3", "luxcore"] {
+    for renderer in ["mitsuba-3", "luxcore", "cycles"] {
         if !there(renderer) {
-            return skip("lights without a surface", "`ltsc renderers install mitsuba-3 luxcore`");
+            return skip("lights without a surface", &format!("`ltsc renderers install {renderer}`"));
         }
         let folder = tempfile::tempdir().expect("a folder");
         for (name, light, samples, irradiance, tolerance) in &lights {
