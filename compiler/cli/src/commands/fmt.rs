@@ -35,11 +35,12 @@ pub fn run(command: &Fmt) -> Result<Exit, Failure> {
         return input(command);
     }
     let mut files = Vec::new();
-    for (_, paths) in files_of(&command.paths)? {
+    let (groups, problems) = files_of(&command.paths)?;
+    for (_, paths) in groups {
         files.extend(paths);
     }
     let done: Vec<Result<Done, Failure>> = files.par_iter().map(|file| one(file, command)).collect();
-    let mut worst = Exit::Done;
+    let mut worst = problems.iter().map(Failure::show).max().unwrap_or(Exit::Done);
     let mut changed = 0;
     for (file, done) in files.iter().zip(done) {
         let exit = match done {
@@ -127,7 +128,8 @@ fn formatted(name: &str, text: String) -> Result<Done, Failure> {
         Ok(after) => Ok(Done::Changed(text, after)),
         Err(FormatError::Malformed(findings)) => {
             let shown = findings.into_iter().filter(|finding| finding.severity >= Severity::Error);
-            let all: Vec<Located<'_>> = shown.map(|finding| Located { finding, sources: &sources }).collect();
+            let all: Vec<Located<'_>> =
+                shown.map(|finding| Located { finding, sources: &sources, prefix: "" }).collect();
             output::findings(&all, Format::Human, false, true);
             Ok(Done::Refused(Exit::Input))
         }
