@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use ltsc_core::capability::{Feature, Support, features};
 use ltsc_core::diag::{Finding, Severity, Sources, nearest};
-use ltsc_core::eval::{self, Overrides};
+use ltsc_core::eval::{self, Limits, Overrides};
 use ltsc_core::files::VPath;
 use ltsc_core::formats::Target;
 use ltsc_core::ir::{Camera, Documentation, Handle, Scene};
@@ -41,17 +41,20 @@ impl CheckedFile {
     }
 }
 
+/// Files of a project, in the order in which they are answered for.
+pub type Group = (Project, Vec<PathBuf>);
+
 /// The files that a command with paths works on, by project: those of the project where there are no paths. The order is that of
 /// the paths, and a file that is named twice stands there once.
 ///
 /// What cannot be read comes beside them: one bad path does not hide what is wrong with the others.
-pub fn files_of(paths: &[PathBuf]) -> Result<(Vec<(Project, Vec<PathBuf>)>, Vec<Failure>), Failure> {
+pub fn files_of(paths: &[PathBuf]) -> Result<(Vec<Group>, Vec<Failure>), Failure> {
     if paths.is_empty() {
         let project = Project::here()?;
         let files = project::scene_files(&project.scenes)?;
         return Ok((vec![(project, files)], Vec::new()));
     }
-    let mut groups: Vec<(Project, Vec<PathBuf>)> = Vec::new();
+    let mut groups: Vec<Group> = Vec::new();
     let mut problems = Vec::new();
     let mut seen = BTreeSet::new();
     for path in paths {
@@ -64,7 +67,7 @@ pub fn files_of(paths: &[PathBuf]) -> Result<(Vec<(Project, Vec<PathBuf>)>, Vec<
             }
         };
         let files = files.into_iter().filter(|file| seen.insert(std::fs::canonicalize(file).unwrap_or(file.clone())));
-        let same = |(other, _): &&mut (Project, Vec<PathBuf>)| {
+        let same = |(other, _): &&mut Group| {
             (&other.root, other.declared, &other.scenes) == (&project.root, project.declared, &project.scenes)
         };
         match groups.iter_mut().find(same) {
@@ -76,7 +79,7 @@ pub fn files_of(paths: &[PathBuf]) -> Result<(Vec<(Project, Vec<PathBuf>)>, Vec<
 }
 
 /// The files of [`files_of`], where one that cannot be read ends the command.
-pub fn all_files_of(paths: &[PathBuf]) -> Result<Vec<(Project, Vec<PathBuf>)>, Failure> {
+pub fn all_files_of(paths: &[PathBuf]) -> Result<Vec<Group>, Failure> {
     let (groups, problems) = files_of(paths)?;
     problems.into_iter().next().map_or(Ok(groups), Err)
 }
@@ -92,12 +95,13 @@ pub fn check(
     let root = findings.root.as_deref().unwrap_or(&project.root);
     let disk = DiskFiles::new(root)
         .map_err(|error| Failure::new(Exit::Usage, format!("{} cannot be read: {error}", root.display())))?;
+    let limits = project::limits_with(project.limits, &findings.limits)?;
     let options = Options {
-        overrides,
+        overrides: Overrides { limits, ..overrides },
         levels: project.levels_with(findings)?,
         no_allow: findings.no_allow,
         targets: targets.iter().map(|target| target.name).collect(),
-        scenes: headers(project, files, &disk),
+        scenes: headers(project, files, &disk, limits),
     };
     let prefix: Arc<str> = project::prefix(root).into();
     let one = |file: &PathBuf| {
@@ -125,10 +129,10 @@ fn guarded(path: &VPath, check: impl FnOnce() -> (Checked, Sources)) -> (Checked
 
 /// The documentation of the project's scenes by name, of a folder without `ltsc.toml` only that of the files asked for. What
 /// cannot be read is passed over: it is reported where it is checked.
-fn headers(project: &Project, files: &[PathBuf], disk: &DiskFiles) -> BTreeMap<String, Documentation> {
+fn headers(project: &Project, files: &[PathBuf], disk: &DiskFiles, limits: Limits) -> BTreeMap<String, Documentation> {
     let all = if project.declared { project::scene_files(&project.scenes).unwrap_or_default() } else { Vec::new() };
     let files = if all.is_empty() { files } else { &all };
-    let headers = files.iter().filter_map(|file| eval::header(disk, &disk.path_of(file)?));
+    let headers = files.iter().filter_map(|file| eval::header(disk, &disk.path_of(file)?, limits));
     headers.collect()
 }
 
@@ -213,7 +217,15 @@ pub fn overrides(settings: &args::Settings) -> Result<Overrides, Failure> {
             .help("write for example `--set alpha=0.2`")),
     };
     let set = set.iter().map(pair).collect::<Result<_, _>>()?;
-    Ok(Overrides { width: *width, height: *height, samples: *samples, seed: *seed, max_depth: *max_depth, set })
+    Ok(Overrides {
+        width: *width,
+        height: *height,
+        samples: *samples,
+        seed: *seed,
+        max_depth: *max_depth,
+        set,
+        ..Overrides::default()
+    })
 }
 
 /// The one scene of a file, in which nothing forbids to go on.
