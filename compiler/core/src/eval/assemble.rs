@@ -324,7 +324,9 @@ fn place_lights(placed: &mut Arena<LightSource>, lights: &[Lit], instances: &[Pl
         };
         placed.push(LightSource { name: joined(name), kind }, *span);
     }
-    for Placed { name, span: _, group: GroupValue { body, places } } in instances.iter().filter(|placed| placed.group.body.lit) {
+    for Placed { name, span: _, group: GroupValue { body, places } } in
+        instances.iter().filter(|placed| placed.group.body.lit)
+    {
         for (at, place) in places.maps().iter().enumerate() {
             let path = joined(&places.name_of(name, at));
             place_lights(placed, &body.lights, &body.instances, &place.then(map), &path);

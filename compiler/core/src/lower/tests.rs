@@ -318,12 +318,14 @@ fn many_places_stay_one_instance() {
 #[test]
 fn too_many_instances_and_broken_groups_pass_through() {
     let mut scene = lanterns(&[turned(), turned()]);
-    for _ in 0..8 {
+    for _ in 0..10 {
         let last = scene.groups.iter().last().expect("a group").0;
         group(&mut scene, "ten", Vec::new(), &[(last, Places::Many([Affine::IDENTITY; 10].into()))]);
     }
     let last = scene.groups.iter().last().expect("a group").0;
-    scene.instances.push(Instance { name: "all".to_owned(), group: last, places: Places::One(Affine::IDENTITY) }, Origin::Made);
+    scene
+        .instances
+        .push(Instance { name: "all".to_owned(), group: last, places: Places::One(Affine::IDENTITY) }, Origin::Made);
     assert_eq!(lower(scene.clone()), (scene.clone(), vec![]));
     // A group that holds itself.
     let mut circle = lanterns(&[turned(), turned()]);

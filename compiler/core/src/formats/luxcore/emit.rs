@@ -156,9 +156,7 @@ fn description(scene: &Scene, meshes: &str, out: &mut dyn Write) -> io::Result<(
         let Instance { name: _, group, places: _ } = instance;
         for (name, place) in instance.named() {
             let shapes = scene.groups[*group].shapes.values();
-            uses.extend(
-                shapes.map(|shape| (format!("{name}/{}", shape.name), shape, shape.transform.then(place))),
-            );
+            uses.extend(shapes.map(|shape| (format!("{name}/{}", shape.name), shape, shape.transform.then(place))));
         }
     }
     let objects = Words::default().assign(uses.iter().map(|(name, _, _)| name.as_str()));
