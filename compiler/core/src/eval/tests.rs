@@ -186,10 +186,7 @@ fn names_of_scattered_places_are_taken() {
         findings.iter().map(|finding| format!("{}: {}", finding.id, finding.message)).collect::<Vec<_>>()
     };
     let taken = ["duplicate-name: two instances are named `a[1]`"];
-    assert_eq!(
-        id("instance a = lamp |> scatter(\"forest.npy\")\nfor i in 1..2 {\n    instance a = lamp\n}\n"),
-        taken[..].iter().map(|text| format!("{text}")).collect::<Vec<_>>()
-    );
+    assert_eq!(id("instance a = lamp |> scatter(\"forest.npy\")\nfor i in 1..2 {\n    instance a = lamp\n}\n"), taken);
     assert_eq!(id("for i in 1..2 {\n    instance a = lamp\n}\ninstance a = lamp |> scatter(\"forest.npy\")\n"), taken);
     let free = "for i in 2..3 {\n    instance a = lamp\n}\ninstance a = lamp |> scatter(\"forest.npy\")\n";
     assert_eq!(id(free), Vec::<String>::new());
