@@ -3,12 +3,19 @@
 //! A rule is a file with its page (`DOC`), and a line in [`RULES`].
 
 mod black_surface;
+mod camera_in_dielectric;
+mod camera_inside_mesh;
+mod dark_emitter;
+mod emitter_facing_away;
 mod large_extent;
 mod long_brief;
 mod many_materials;
 mod missing_normals;
 mod non_mesh_emitter;
+mod nothing_in_view;
+mod odd_field_of_view;
 mod one_sided_similar;
+mod out_of_range_distance;
 mod outside_not_air;
 mod reflectance_over_one;
 mod rough_too_small;
@@ -16,6 +23,7 @@ mod same_paths;
 mod smooth_emitter;
 mod undocumented_scene;
 mod unknown_similar;
+mod unlit_scene;
 mod unreachable_paths;
 mod unused_name;
 
@@ -23,7 +31,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use crate::diag::{Finding, Label, Origin, Severity, Span};
-use crate::ir::{Documentation, Scene};
+use crate::ir::{Camera, Documentation, Scene};
 use crate::survey::Survey;
 
 /// What happens to the findings of a rule.
@@ -130,12 +138,19 @@ impl<'a> Subject<'a> {
 /// All rules, by name.
 pub static RULES: &[Rule] = &[
     black_surface::RULE,
+    camera_in_dielectric::RULE,
+    camera_inside_mesh::RULE,
+    dark_emitter::RULE,
+    emitter_facing_away::RULE,
     large_extent::RULE,
     long_brief::RULE,
     many_materials::RULE,
     missing_normals::RULE,
     non_mesh_emitter::RULE,
+    nothing_in_view::RULE,
+    odd_field_of_view::RULE,
     one_sided_similar::RULE,
+    out_of_range_distance::RULE,
     outside_not_air::RULE,
     reflectance_over_one::RULE,
     rough_too_small::RULE,
@@ -143,6 +158,7 @@ pub static RULES: &[Rule] = &[
     smooth_emitter::RULE,
     undocumented_scene::RULE,
     unknown_similar::RULE,
+    unlit_scene::RULE,
     unreachable_paths::RULE,
     unused_name::RULE,
 ];
@@ -199,6 +215,11 @@ fn also(finding: &mut Finding, origin: &Origin, text: &str) {
     if let Some(span) = origin.span() {
         finding.labels.push(Label { span, text: text.to_owned() });
     }
+}
+
+/// What messages call a camera.
+fn called(camera: &Camera) -> String {
+    camera.name.as_ref().map_or_else(|| "the camera".to_owned(), |name| format!("the camera `{name}`"))
 }
 
 /// The rule called `id`.
