@@ -1,3 +1,5 @@
+//! Arrays as NumPy writes them, and as it does not.
+
 use super::*;
 use proptest::prelude::*;
 
