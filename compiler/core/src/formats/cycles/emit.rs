@@ -108,9 +108,11 @@ fn description(scene: &Scene, meshes: &str, out: &mut dyn Write) -> io::Result<(
         shapes.values().try_for_each(|shape| known.shape(shape, "    ", out))?;
     }
     for instance in scene.instances.values() {
-        let Instance { name, group, transform } = instance;
+        let Instance { name: _, group, places: _ } = instance;
         let id = literal(&groups[group.index()]);
-        writeln!(out, "instance({}, {id}, {})", literal(name), rows(transform))?;
+        for (name, place) in instance.named() {
+            writeln!(out, "instance({}, {id}, {})", literal(&name), rows(place))?;
+        }
     }
     Ok(())
 }

@@ -22,6 +22,7 @@ FOLDER = os.path.dirname(os.path.abspath(__file__))
 materials = {}
 meshes = {}
 groups = {}
+empties = {}
 # Objects of the scene itself, or of the group that is being filled.
 place = None
 
@@ -235,9 +236,23 @@ def mesh(name, file):
 def put(name, data, matrix):
     it = bpy.data.objects.new(name, data)
     if matrix is not None:
-        it.matrix_world = mathutils.Matrix([*matrix, (0, 0, 0, 1)])
+        whole = mathutils.Matrix([*matrix, (0, 0, 0, 1)])
+        if whole.to_3x3().is_orthogonal_axis_vectors:
+            it.matrix_world = whole
+        else:
+            # An object's own transform is a place, a turn and a scale; a shear fits only between it and its parent.
+            it.parent = origin()
+            it.matrix_parent_inverse = whole
     place.objects.link(it)
     return it
+
+
+def origin():
+    """An empty at the origin, the parent of what is sheared."""
+    if "origin" not in empties:
+        empties["origin"] = bpy.data.objects.new("origin", None)
+        bpy.context.scene.collection.objects.link(empties["origin"])
+    return empties["origin"]
 
 
 def shape(name, mesh, material, matrix=None):
@@ -303,8 +318,8 @@ def light(name, kind, color, energy):
 
 def point(name, position, intensity):
     """A point light; intensity in W/sr."""
-    # Blender's watts are those of a Lambertian sphere: the intensity is their share of 4 pi^2.
-    data = light(name, "POINT", intensity, max(intensity) * 4 * math.pi**2)
+    # Blender spreads its watts over the whole sphere of directions (measured with 4.5).
+    data = light(name, "POINT", intensity, max(intensity) * 4 * math.pi)
     data.shadow_soft_size = 0
     put(name, data, [(1, 0, 0, position[0]), (0, 1, 0, position[1]), (0, 0, 1, position[2])])
 
@@ -318,7 +333,7 @@ def directional(name, x, y, z, irradiance):
 
 def spot(name, position, x, y, z, intensity, angle, blend):
     """A cone of light around -z; `angle` is its half angle, `blend` the share of it that fades."""
-    data = light(name, "SPOT", intensity, max(intensity) * 4 * math.pi**2)
+    data = light(name, "SPOT", intensity, max(intensity) * 4 * math.pi)
     data.shadow_soft_size = 0
     data.spot_size = math.radians(2 * angle)
     data.spot_blend = blend
