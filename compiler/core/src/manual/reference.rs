@@ -1,7 +1,7 @@
 //! The page of the language: the chapter written by hand, and the table of constructors.
 
-use crate::eval::{Constructor, Family, LIST_LIMIT, MESH_LIMIT, Parameter, STEP_LIMIT, TEXT_LIMIT, table};
-use crate::ir::{GROUP_DEPTH, INSTANCE_LIMIT};
+use crate::eval::{Constructor, Family, Limit, Limits, Parameter, table};
+use crate::ir::GROUP_DEPTH;
 use crate::syntax::{NAME_LIMIT, NESTING_LIMIT, RESERVED, VERSION};
 
 use super::{MADE, anchor, capital, cell};
@@ -32,20 +32,48 @@ pub(super) fn page() -> String {
 }
 
 fn limits() -> String {
-    let mut text = "\n## Limits\n\nEach is an error with its number, so that no text can run without end.\n\n\
-                    | what | at most |\n|---|---|\n"
+    let mut text = "\n## Limits\n\nEach is an error with its number, so that no text can run without end. Those with a name are raised by \
+                    `--limit NAME=VALUE` or\nin `[limits]` of `ltsc.toml`, up to their most.\n\n\
+                    | name | bounds | built in | most |\n|---|---|---|---|\n"
         .to_owned();
-    let rows = [
-        ("a scene file", format!("{} MiB", TEXT_LIMIT >> 20)),
-        ("a mesh file", format!("{} GiB", MESH_LIMIT >> 30)),
-        ("a name", format!("{NAME_LIMIT} bytes")),
-        ("brackets in each other", NESTING_LIMIT.to_string()),
-        ("elements of a list", LIST_LIMIT.to_string()),
-        ("calls and iterations of a file", STEP_LIMIT.to_string()),
-        ("groups in each other", GROUP_DEPTH.to_string()),
-        ("shapes and instances, groups counted as often as they are placed", INSTANCE_LIMIT.to_string()),
+    for limit in Limit::ALL {
+        let (built_in, most) = (limit.of(&Limits::default()), limit.most);
+        let (built_in, most) = if limit.what.starts_with("bytes") {
+            (bytes(built_in), bytes(most))
+        } else {
+            (grouped(built_in), grouped(most))
+        };
+        text.push_str(&format!("| `{}` | {} | {built_in} | {most} |\n", limit.name, cell(limit.what)));
+    }
+    let fixed = [
+        ("bytes of a name", NAME_LIMIT),
+        ("brackets and signs in each other", NESTING_LIMIT),
+        ("groups in each other", GROUP_DEPTH),
     ];
-    rows.iter().for_each(|(what, most)| text.push_str(&format!("| {what} | {most} |\n")));
+    fixed.iter().for_each(|(what, most)| text.push_str(&format!("| | {what} | {most} | {most} |\n")));
+    text
+}
+
+/// A number of bytes, with a unit of `--limit` where it is a multiple of one.
+fn bytes(value: u64) -> String {
+    for (unit, shift) in [("GiB", 30), ("MiB", 20), ("KiB", 10)] {
+        if value.is_multiple_of(1 << shift) {
+            return format!("{} {unit}", grouped(value >> shift));
+        }
+    }
+    grouped(value)
+}
+
+/// A number with `_` between groups of three digits, as the language writes it.
+fn grouped(value: u64) -> String {
+    let digits = value.to_string();
+    let mut text = String::new();
+    for (at, digit) in digits.chars().enumerate() {
+        if at > 0 && (digits.len() - at) % 3 == 0 {
+            text.push('_');
+        }
+        text.push(digit);
+    }
     text
 }
 
