@@ -6,6 +6,7 @@ mod format;
 mod geometry;
 mod gltf;
 mod golden;
+mod page_cases;
 mod render;
 mod thesis;
 mod tidy;
