@@ -66,7 +66,7 @@ fn findings(block: &str) -> Vec<Finding> {
     files.insert("meshes/bunny.ply", BUNNY);
     let mut paths = Vec::new();
     for (name, text) in parts(block).iter().map(|part| whole(part)) {
-        files.insert(&format!("{name}.lts"), text);
+        files.insert(format!("{name}.lts"), text);
         paths.push(VPath::resolve("", &format!("{name}.lts")).expect("a path"));
     }
     let scenes: BTreeMap<_, _> =
