@@ -8,6 +8,7 @@ mod geometry;
 mod gltf;
 mod golden;
 mod outputs;
+mod page_cases;
 mod render;
 mod thesis;
 mod tidy;
