@@ -4,6 +4,7 @@ use std::rc::Rc;
 
 use crate::diag::{Finding, Span, nearest};
 use crate::files::{Bytes, ReadError, VPath};
+use crate::ir::{Handle, Texture};
 use crate::syntax::{Call, Expr, ExprKind};
 
 use super::function::Function;
@@ -11,7 +12,7 @@ use super::module::Scope;
 use super::ops;
 use super::table::{self, Args, Constructor, Family, Site};
 use super::value::{Refusal, Ty, Value};
-use super::{Interpreter, LIST_LIMIT, MESH_LIMIT, Reported};
+use super::{Interpreter, LIST_LIMIT, Reported};
 
 impl Interpreter<'_> {
     pub(super) fn report<T>(&mut self, finding: Finding) -> Result<T, Reported> {
@@ -215,9 +216,9 @@ impl Interpreter<'_> {
         let file =
             if row.family == Family::Function { None } else { Some(self.sources.get(call.span.file).path.clone()) };
         let folder = file.as_deref().and_then(|file| file.rsplit_once('/')).map_or("", |(folder, _)| folder);
-        // Files are read once; a mesh of a file is one mesh however often it is named.
-        let key = mesh_key(row, &args, folder);
-        if let Some(value) = key.as_ref().and_then(|key| self.meshes.get(key)) {
+        // Files are read once; a mesh of a file is one mesh however often it is named, an image one texture.
+        let key = file_key(row, &args, folder);
+        if let Some(value) = key.as_ref().and_then(|key| self.read.get(key)) {
             return match value {
                 Value::Poison => Err(Reported),
                 value => Ok(value.clone()),
@@ -229,7 +230,7 @@ impl Interpreter<'_> {
             self.findings.push(Finding::warn("mesh-file", call.span, message).maybe_help(help));
         }
         if let Some(key) = key {
-            self.meshes.insert(key, built.as_ref().map_or(Value::Poison, Clone::clone));
+            self.read.insert(key, built.as_ref().map_or(Value::Poison, Clone::clone));
         }
         built.or_else(|problem| {
             let problem = *problem.0;
@@ -443,10 +444,14 @@ impl Interpreter<'_> {
 }
 
 impl table::Host for Interpreter<'_> {
-    fn read(&mut self, path: &VPath) -> Result<Bytes, ReadError> {
-        let bytes = self.files.read(path, MESH_LIMIT)?;
+    fn read(&mut self, path: &VPath, limit: u64) -> Result<Bytes, ReadError> {
+        let bytes = self.files.read(path, limit)?;
         self.inputs.insert(path.clone(), bytes.clone());
         Ok(bytes)
+    }
+
+    fn texture(&mut self, texture: Texture, span: Span) -> Handle<Texture> {
+        self.textures.push(texture, span)
     }
 
     fn apply(&mut self, function: &Rc<Function>, values: Vec<Value>, span: Span) -> Result<Value, Reported> {
@@ -455,16 +460,18 @@ impl table::Host for Interpreter<'_> {
     }
 }
 
-/// What makes two calls of `file` the same mesh.
-fn mesh_key(row: &Constructor, args: &Args, folder: &str) -> Option<(VPath, Option<String>)> {
-    if row.family != Family::Mesh || row.name != "file" {
-        return None;
-    }
+/// What makes two calls of `file` the same mesh, and two of `bitmap` the same texture.
+fn file_key(row: &Constructor, args: &Args, folder: &str) -> Option<(VPath, Option<String>)> {
+    let more = match (row.family, row.name) {
+        (Family::Mesh, "file") => "part",
+        (Family::Texture, "bitmap") => "encoding",
+        _ => return None,
+    };
     let text = |name| match args.get(name) {
         Some(Value::String(text)) => Some(text.to_string()),
         _ => None,
     };
-    Some((VPath::resolve(folder, &text("path")?).ok()?, text("part")))
+    Some((VPath::resolve(folder, &text("path")?).ok()?, text(more)))
 }
 
 fn numbers_value(numbers: &[f64]) -> Value {

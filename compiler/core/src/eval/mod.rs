@@ -22,7 +22,7 @@ use std::rc::Rc;
 
 use crate::diag::{Finding, Severity, Sources, Span};
 use crate::files::{Files, VPath};
-use crate::ir::{Documentation, Scene};
+use crate::ir::{Arena, Documentation, Scene, Texture};
 
 pub use table::{Constructor, Family, Parameter, table};
 pub use value::Ty;
@@ -32,6 +32,9 @@ pub const TEXT_LIMIT: u64 = 64 << 20;
 
 /// The largest mesh file in bytes.
 pub const MESH_LIMIT: u64 = 16 << 30;
+
+/// The largest image file in bytes.
+pub const IMAGE_LIMIT: u64 = 1 << 30;
 
 /// The most elements of a list.
 pub const LIST_LIMIT: usize = 1_000_000;
@@ -151,8 +154,10 @@ struct Interpreter<'f> {
     /// Files whose evaluation has not ended, outermost first.
     loading: Vec<VPath>,
     inputs: BTreeMap<VPath, crate::files::Bytes>,
-    /// Meshes read from files, by path and part.
-    meshes: BTreeMap<(VPath, Option<String>), value::Value>,
+    /// Meshes and textures read from files, by path and by part or encoding.
+    read: BTreeMap<(VPath, Option<String>), value::Value>,
+    /// Textures so far, used or not.
+    textures: Arena<Texture>,
     /// Calls and iterations up to now.
     steps: u64,
     /// Calls of functions around the place that is evaluated.
@@ -174,7 +179,8 @@ impl<'f> Interpreter<'f> {
             modules: BTreeMap::new(),
             loading: Vec::new(),
             inputs: BTreeMap::new(),
-            meshes: BTreeMap::new(),
+            read: BTreeMap::new(),
+            textures: Arena::default(),
             steps: 0,
             call_depth: 0,
             set,

@@ -30,6 +30,7 @@ fn evaluated(statements: &str) -> Evaluated {
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
          property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
     );
+    files.insert("textures/oak.png", include_bytes!("../../../../tests/cases/textures/quads.png"));
     let path = VPath::resolve("", "a.lts").expect("a path");
     evaluate(&files, &mut Sources::default(), &path, &Overrides::default())
 }

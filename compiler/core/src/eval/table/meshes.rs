@@ -3,10 +3,11 @@
 use std::rc::Rc;
 
 use crate::diag::Severity;
-use crate::files::VPath;
+use crate::files::{Bytes, VPath};
 use crate::ir::Affine;
 use crate::mesh::{self, Extent, Geometry, MeshError, SignedAxis};
 
+use super::super::MESH_LIMIT;
 use super::super::module::beside_help;
 use super::super::value::{MeshValue, Ty, Value};
 use super::{Args, Constructor, Family, Parameter, Problem, Site};
@@ -190,13 +191,9 @@ pub(super) fn points<const N: usize>(args: &Args, name: &str) -> Option<Vec<[f64
     Some(items.filter_map(one).collect())
 }
 
-fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
-    let text = |name| match args.get(name) {
-        Some(Value::String(text)) => Some(Rc::clone(text)),
-        _ => None,
-    };
-    let written = text("path").unwrap_or_else(|| Rc::from(""));
-    let part = text("part");
+/// The file that the argument `path` names.
+pub(super) fn read_file(args: &Args, site: &mut Site<'_>, limit: u64) -> Result<(VPath, Bytes), Problem> {
+    let written = text(args, "path").unwrap_or_default();
     let path = VPath::resolve(site.folder, &written).map_err(|error| {
         let finding = super::super::module::path_problem(site.span, &error);
         let found = Problem::new("path", finding.message).id("bad-path").maybe_help(finding.help);
@@ -205,11 +202,24 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
             None => found,
         }
     })?;
-    let bytes = site.host.read(&path).map_err(|error| {
+    let bytes = site.host.read(&path, limit).map_err(|error| {
         Problem::new("path", format!("`{path}` cannot be read: {error}"))
             .id("unreadable-file")
             .maybe_help(beside_help(&path, &error))
     })?;
+    Ok((path, bytes))
+}
+
+fn text(args: &Args, name: &str) -> Option<String> {
+    match args.get(name) {
+        Some(Value::String(text)) => Some(text.to_string()),
+        _ => None,
+    }
+}
+
+fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
+    let part = text(args, "part");
+    let (path, bytes) = read_file(args, site, MESH_LIMIT)?;
     let (geometry, notes) = mesh::file::read(&path.extension(), &bytes, part.as_deref()).map_err(|error| {
         let place = if error.place.is_empty() { path.to_string() } else { format!("{path}, {}", error.place) };
         Problem::new("path", error.message).id("invalid-mesh-file").label(place).maybe_help(error.help)

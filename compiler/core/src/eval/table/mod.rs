@@ -8,6 +8,7 @@ mod materials;
 mod meshes;
 mod settings;
 mod stages;
+mod textures;
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -15,7 +16,7 @@ use std::sync::OnceLock;
 
 use crate::diag::Span;
 use crate::files::{Bytes, ReadError, VPath};
-use crate::ir::{Color, Vec3};
+use crate::ir::{Color, ColorOrTexture, Handle, Texture, Vec3};
 
 use super::Reported;
 use super::function::Function;
@@ -46,13 +47,15 @@ pub enum Family {
     Sampler,
     /// A color.
     Color,
+    /// An image on a surface.
+    Texture,
     /// A function of values.
     Function,
 }
 
 impl Family {
     /// All families in the order of the manual.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Material,
         Self::Emission,
         Self::Light,
@@ -64,6 +67,7 @@ impl Family {
         Self::Integrator,
         Self::Sampler,
         Self::Color,
+        Self::Texture,
         Self::Function,
     ];
 
@@ -81,6 +85,7 @@ impl Family {
             Self::Integrator => "an integrator",
             Self::Sampler => "a sampler",
             Self::Color => "a color",
+            Self::Texture => "a texture",
             Self::Function => "a function",
         }
     }
@@ -208,6 +213,14 @@ impl Args {
         }
     }
 
+    pub(super) fn color_or_texture(&self, name: &str) -> Option<ColorOrTexture> {
+        match self.get(name) {
+            Some(Value::Color(color)) => Some(ColorOrTexture::Color(*color)),
+            Some(Value::Texture(texture)) => Some(ColorOrTexture::Texture(*texture)),
+            _ => None,
+        }
+    }
+
     pub(super) fn vec3(&self, name: &str) -> Option<Vec3> {
         match self.get(name) {
             Some(Value::Vector(parts)) => Some([*parts.first()?, *parts.get(1)?, *parts.get(2)?]),
@@ -234,8 +247,11 @@ impl Args {
 
 /// What constructors ask of the evaluator.
 pub(super) trait Host {
-    /// Reads a file of the project.
-    fn read(&mut self, path: &VPath) -> Result<Bytes, ReadError>;
+    /// Reads a file of the project of at most `limit` bytes.
+    fn read(&mut self, path: &VPath, limit: u64) -> Result<Bytes, ReadError>;
+
+    /// Keeps a texture, made at `span`.
+    fn texture(&mut self, texture: Texture, span: Span) -> Handle<Texture>;
 
     /// Calls a user's function with as many values as it has parameters, each of its parameter's type; errors are
     /// reported with the call at `span`.
@@ -256,8 +272,16 @@ pub(super) struct Site<'s> {
 
 /// All rows, family by family.
 pub fn table() -> impl Iterator<Item = &'static Constructor> {
-    let parts: [&'static [Constructor]; 7] =
-        [materials::ROWS, lights::ROWS, meshes::ROWS, generators::ROWS, stages::ROWS, settings::ROWS, functions::ROWS];
+    let parts: [&'static [Constructor]; 8] = [
+        materials::ROWS,
+        textures::ROWS,
+        lights::ROWS,
+        meshes::ROWS,
+        generators::ROWS,
+        stages::ROWS,
+        settings::ROWS,
+        functions::ROWS,
+    ];
     parts.into_iter().flatten()
 }
 
