@@ -1,18 +1,20 @@
 //! Expressions and calls.
 
+use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::diag::{Finding, Span, nearest};
 use crate::files::{Bytes, ReadError, VPath};
-use crate::ir::{Handle, Texture};
+use crate::ir::{Affine, Handle, Texture};
 use crate::syntax::{Call, Expr, ExprKind};
 
 use super::function::Function;
 use super::module::Scope;
 use super::ops;
 use super::table::{self, Args, Constructor, Family, Site};
-use super::value::{Refusal, Ty, Value};
-use super::{Interpreter, LIST_LIMIT, Reported};
+use super::value::{MeshValue, Refusal, Ty, Value};
+use super::{Interpreter, Limit, Reported};
 
 impl Interpreter<'_> {
     pub(super) fn report<T>(&mut self, finding: Finding) -> Result<T, Reported> {
@@ -53,7 +55,7 @@ impl Interpreter<'_> {
                 let span = expr.span;
                 self.each(scope, clauses, &mut Vec::new(), &mut |this, scope, _| {
                     values.push(this.eval(scope, body, None)?);
-                    if values.len() > LIST_LIMIT {
+                    if values.len() > this.limits.list {
                         return this.too_long(values.len(), span);
                     }
                     Ok(())
@@ -113,7 +115,7 @@ impl Interpreter<'_> {
     }
 
     fn list(&mut self, values: Vec<Value>, span: Span) -> Result<Value, Reported> {
-        if values.len() > LIST_LIMIT {
+        if values.len() > self.limits.list {
             self.too_long(values.len(), span)?;
         }
         Ok(Value::List(values.into()))
@@ -122,7 +124,8 @@ impl Interpreter<'_> {
     fn too_long(&mut self, count: usize, span: Span) -> Result<(), Reported> {
         self.report(
             Finding::error("list-limit", span, format!("a list has {count} elements or more"))
-                .note(format!("at most {LIST_LIMIT} are allowed")),
+                .note(format!("at most {} are allowed", self.limits.list))
+                .help(Limit::help("list")),
         )
     }
 
@@ -212,9 +215,9 @@ impl Interpreter<'_> {
             return Err(Reported);
         };
         let args = self.bind(scope, call, row)?;
-        // Functions see nothing of the place where they are called, and are called most.
-        let file =
-            if row.family == Family::Function { None } else { Some(self.sources.get(call.span.file).path.clone()) };
+        // Functions see nothing of the place where they are called, and are called most; `table` reads a file.
+        let blind = row.family == Family::Function && row.name != "table";
+        let file = if blind { None } else { Some(self.sources.get(call.span.file).path.clone()) };
         let folder = file.as_deref().and_then(|file| file.rsplit_once('/')).map_or("", |(folder, _)| folder);
         // Files are read once; a mesh of a file is one mesh however often it is named, an image one texture.
         let key = file_key(row, &args, folder);
@@ -224,13 +227,24 @@ impl Interpreter<'_> {
                 value => Ok(value.clone()),
             };
         }
-        let mut site = Site { span: call.span, folder, host: self, remarks: Vec::new() };
+        let mut site = Site {
+            span: call.span,
+            folder,
+            triangles: self.limits.triangles.saturating_sub(self.triangles),
+            limits: self.limits,
+            host: self,
+            remarks: Vec::new(),
+        };
         let built = (row.build)(&args, &mut site);
         for (message, help) in site.remarks {
             self.findings.push(Finding::warn("mesh-file", call.span, message).maybe_help(help));
         }
+        let file = key.is_some();
         if let Some(key) = key {
             self.read.insert(key, built.as_ref().map_or(Value::Poison, Clone::clone));
+        }
+        if let (false, Ok(Value::Mesh(made))) = (file, &built) {
+            self.count_triangles(made, &args, call.span)?;
         }
         built.or_else(|problem| {
             let problem = *problem.0;
@@ -245,6 +259,22 @@ impl Interpreter<'_> {
             finding.label = problem.label;
             self.report(finding)
         })
+    }
+
+    /// Adds the triangles of a mesh that a generator or stage made to those of the scene. A stage that only moves a mesh makes
+    /// none.
+    fn count_triangles(&mut self, made: &MeshValue, args: &Args, span: Span) -> Result<(), Reported> {
+        let of_before = |value: &&Value| matches!(value, Value::Mesh(before) if Rc::ptr_eq(&before.mesh, &made.mesh));
+        if args.values.iter().flatten().any(|value| of_before(&value)) {
+            return Ok(());
+        }
+        let most = self.limits.triangles;
+        self.triangles = self.triangles.saturating_add(made.mesh.triangles.len() as u64);
+        if self.triangles <= most {
+            return Ok(());
+        }
+        let message = format!("the meshes of the scene have more than {most} triangles");
+        self.report(Finding::error("triangle-limit", span, message).label("up to here").help(Limit::help("triangles")))
     }
 
     /// Reports a call of something that is no constructor and no function.
@@ -444,8 +474,8 @@ impl Interpreter<'_> {
 }
 
 impl table::Host for Interpreter<'_> {
-    fn read(&mut self, path: &VPath, limit: u64) -> Result<Bytes, ReadError> {
-        let bytes = self.files.read(path, limit)?;
+    fn read(&mut self, path: &VPath) -> Result<Bytes, ReadError> {
+        let bytes = self.files.read(path, self.limits.file)?;
         self.inputs.insert(path.clone(), bytes.clone());
         Ok(bytes)
     }
@@ -454,16 +484,20 @@ impl table::Host for Interpreter<'_> {
         self.textures.push(texture, span)
     }
 
+    fn scattered(&mut self) -> &mut BTreeMap<VPath, Arc<[Affine]>> {
+        &mut self.scattered
+    }
+
     fn apply(&mut self, function: &Rc<Function>, values: Vec<Value>, span: Span) -> Result<Value, Reported> {
         self.step(span)?;
         self.invoke(function, &values, span)
     }
 }
 
-/// What makes two calls of `file` the same mesh, and two of `bitmap` the same texture.
-fn file_key(row: &Constructor, args: &Args, folder: &str) -> Option<(VPath, Option<String>)> {
+/// What makes two calls of `file` the same mesh, of `bitmap` the same texture, and of `table` the same list.
+fn file_key(row: &Constructor, args: &Args, folder: &str) -> Option<(&'static str, VPath, Option<String>)> {
     let more = match (row.family, row.name) {
-        (Family::Mesh, "file") => "part",
+        (Family::Mesh, "file") | (Family::Function, "table") => "part",
         (Family::Texture, "bitmap") => "encoding",
         _ => return None,
     };
@@ -471,7 +505,7 @@ fn file_key(row: &Constructor, args: &Args, folder: &str) -> Option<(VPath, Opti
         Some(Value::String(text)) => Some(text.to_string()),
         _ => None,
     };
-    Some((VPath::resolve(folder, &text("path")?).ok()?, text(more)))
+    Some((row.name, VPath::resolve(folder, &text("path")?).ok()?, text(more)))
 }
 
 fn numbers_value(numbers: &[f64]) -> Value {

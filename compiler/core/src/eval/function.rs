@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use crate::diag::{Finding, Severity, Span, nearest};
-use crate::ir::Affine;
+use crate::ir::{Affine, Places};
 use crate::syntax::{Call, Clause, Expr, ExprKind, Kind, Name, Param, Statement, StatementKind, Type};
 
 use super::items::GroupBody;
@@ -13,7 +13,7 @@ use super::module::{Module, Scope};
 use super::numeric::Program;
 use super::table::{self, Family};
 use super::value::{GroupValue, MaterialValue, Ty, Value};
-use super::{Interpreter, Reported, STEP_LIMIT};
+use super::{Interpreter, Reported};
 
 /// How deep calls of functions may nest.
 const CALL_DEPTH: usize = 128;
@@ -336,7 +336,7 @@ impl Interpreter<'_> {
         let lit = !lights.is_empty() || instances.iter().any(|placed| placed.group.body.lit);
         let (name, span) = (function.name.clone(), function.span);
         let body = GroupBody { name, span, items, lights, instances, size, depth: group_depth.max(1), lit };
-        Ok(Value::Group(GroupValue { body: Rc::new(body), transform: Affine::IDENTITY }))
+        Ok(Value::Group(GroupValue { body: Rc::new(body), places: Places::One(Affine::IDENTITY) }))
     }
 
     /// The names that the body of a function sees.
@@ -375,7 +375,7 @@ impl Interpreter<'_> {
         if let Some(program) = function.program.get_or_init(|| Program::of(function)) {
             let mut steps = self.steps;
             let result = program.run(values, &mut steps);
-            if let Some(result) = result.filter(|_| steps <= STEP_LIMIT) {
+            if let Some(result) = result.filter(|_| steps <= self.limits.steps) {
                 self.steps = steps;
                 return Ok(result);
             }

@@ -3,7 +3,9 @@
 use std::rc::Rc;
 
 use crate::diag::Span;
-use crate::ir::{Affine, Bsdf, Color, Film, Filter, Handle, Integrator, LightKind, Mesh, Sampler, Texture, Vec3};
+use crate::ir::{
+    Affine, Bsdf, Color, Film, Filter, Handle, Integrator, LightKind, Mesh, Places, Sampler, Texture, Vec3,
+};
 
 /// A value. No number in it is ever NaN or infinite.
 #[derive(Clone, Debug)]
@@ -62,11 +64,11 @@ pub(super) struct MeshValue {
     pub span: Span,
 }
 
-/// A group and where it has been moved.
+/// A group and where it has been moved, or scattered.
 #[derive(Clone, Debug)]
 pub(super) struct GroupValue {
     pub body: Rc<super::items::GroupBody>,
-    pub transform: Affine,
+    pub places: Places,
 }
 
 /// A camera before the film is known.

@@ -53,6 +53,17 @@ pub enum Bsdf {
 }
 
 impl Bsdf {
+    /// Whether it is known to scatter no light at all. What a texture holds is not known.
+    pub fn is_black(&self) -> bool {
+        match self {
+            Self::Diffuse { reflectance } => reflectance.color().is_some_and(Color::is_black),
+            Self::Mirror { reflectance } => reflectance.is_black(),
+            Self::Conductor { eta: _, k: _, alpha: _ } | Self::Dielectric { interior: _, exterior: _, alpha: _ } => {
+                false
+            }
+        }
+    }
+
     /// What may be a texture in it.
     fn paint(&self) -> Option<&ColorOrTexture> {
         match self {

@@ -3,12 +3,19 @@
 //! A rule is a file with its page (`DOC`), and a line in [`RULES`].
 
 mod black_surface;
+mod camera_in_dielectric;
+mod camera_inside_mesh;
+mod dark_emitter;
+mod emitter_facing_away;
 mod large_extent;
 mod long_brief;
 mod many_materials;
 mod missing_normals;
 mod non_mesh_emitter;
+mod nothing_in_view;
+mod odd_field_of_view;
 mod one_sided_similar;
+mod out_of_range_distance;
 mod outside_not_air;
 mod reflectance_over_one;
 mod rough_too_small;
@@ -16,14 +23,15 @@ mod same_paths;
 mod smooth_emitter;
 mod undocumented_scene;
 mod unknown_similar;
+mod unlit_scene;
 mod unreachable_paths;
 mod unused_name;
 
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
-use crate::diag::{Finding, Label, Origin, Severity, Span};
-use crate::ir::{Documentation, Scene};
+use crate::diag::{CODES, Finding, Label, Origin, Severity, Span, nearest};
+use crate::ir::{Camera, Documentation, Scene};
 use crate::survey::Survey;
 
 /// What happens to the findings of a rule.
@@ -130,12 +138,19 @@ impl<'a> Subject<'a> {
 /// All rules, by name.
 pub static RULES: &[Rule] = &[
     black_surface::RULE,
+    camera_in_dielectric::RULE,
+    camera_inside_mesh::RULE,
+    dark_emitter::RULE,
+    emitter_facing_away::RULE,
     large_extent::RULE,
     long_brief::RULE,
     many_materials::RULE,
     missing_normals::RULE,
     non_mesh_emitter::RULE,
+    nothing_in_view::RULE,
+    odd_field_of_view::RULE,
     one_sided_similar::RULE,
+    out_of_range_distance::RULE,
     outside_not_air::RULE,
     reflectance_over_one::RULE,
     rough_too_small::RULE,
@@ -143,12 +158,100 @@ pub static RULES: &[Rule] = &[
     smooth_emitter::RULE,
     undocumented_scene::RULE,
     unknown_similar::RULE,
+    unlit_scene::RULE,
     unreachable_paths::RULE,
     unused_name::RULE,
 ];
 
-/// Levels that differ from the built-in ones, by code.
-pub type Levels = BTreeMap<String, Level>;
+/// Levels that differ from the built-in ones.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Levels {
+    codes: BTreeMap<&'static str, Level>,
+    /// What becomes of everything that would be a warning.
+    warnings: Option<Level>,
+}
+
+/// Why something has no level to be chosen.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LevelError {
+    /// What is wrong.
+    pub message: String,
+    /// What to write instead.
+    pub help: String,
+}
+
+impl Levels {
+    /// Names that stand for several codes, with what they mean.
+    pub const GROUPS: &[(&str, &str)] =
+        &[("all", "every rule"), ("warnings", "everything that would be a warning, rule or not")];
+
+    /// Chooses the level of a rule, of another warning or remark, or of a group.
+    ///
+    /// # Errors
+    /// There is no such code, or it is always an error.
+    pub fn set(&mut self, name: &str, level: Level) -> Result<(), LevelError> {
+        match name {
+            "all" => self.codes.extend(RULES.iter().map(|rule| (rule.id, level))),
+            "warnings" => self.warnings = Some(level),
+            _ => {
+                self.codes.insert(has_level(name)?, level);
+            }
+        }
+        Ok(())
+    }
+
+    /// The level of `rule`.
+    pub fn of(&self, rule: &Rule) -> Level {
+        let level = self.codes.get(rule.id).copied().unwrap_or(rule.level);
+        if level == Level::Warn { self.warnings.unwrap_or(level) } else { level }
+    }
+
+    /// Whether `rule` looks at a scene at all where only `targets` are asked for.
+    pub fn ask(&self, rule: &Rule, targets: &[&str]) -> bool {
+        rule.concerns(targets) && self.of(rule) != Level::Allow
+    }
+
+    /// Gives findings that no rule made, and that are no errors, the levels chosen for them.
+    pub fn judge(&self, findings: &mut [Finding]) {
+        let open = |finding: &&mut Finding| finding.severity != Severity::Error && find(finding.id).is_none();
+        for finding in findings.iter_mut().filter(open) {
+            if let Some(level) = self.codes.get(finding.id) {
+                finding.severity = level.severity();
+            }
+            if let Some(level) = self.warnings.filter(|_| finding.severity == Severity::Warn) {
+                finding.severity = level.severity();
+            }
+        }
+    }
+}
+
+/// The code called `name`, if its level can be chosen.
+fn has_level(name: &str) -> Result<&'static str, LevelError> {
+    if let Some(rule) = find(name) {
+        return Ok(rule.id);
+    }
+    match CODES.iter().find(|code| code.id == name) {
+        Some(code) if code.leveled => Ok(code.id),
+        Some(code) => Err(LevelError {
+            message: format!("`{}` is always an error", code.id),
+            help: "levels are chosen for rules, warnings and remarks".to_owned(),
+        }),
+        None => {
+            let codes = CODES.iter().filter(|code| code.leveled).map(|code| code.id);
+            let known =
+                RULES.iter().map(|rule| rule.id).chain(codes).chain(Levels::GROUPS.iter().map(|(name, _)| *name));
+            Err(LevelError {
+                message: format!("there is no rule `{name}`"),
+                help: match nearest(name, known) {
+                    Some(similar) => format!("did you mean `{similar}`?"),
+                    None => {
+                        "`ltsc explain` lists the rules and other findings; `all` and `warnings` are groups".to_owned()
+                    }
+                },
+            })
+        }
+    }
+}
 
 /// Where a rule puts what it finds.
 struct Report {
@@ -201,6 +304,11 @@ fn also(finding: &mut Finding, origin: &Origin, text: &str) {
     }
 }
 
+/// What messages call a camera.
+fn called(camera: &Camera) -> String {
+    camera.name.as_ref().map_or_else(|| "the camera".to_owned(), |name| format!("the camera `{name}`"))
+}
+
 /// The rule called `id`.
 pub fn find(id: &str) -> Option<&'static Rule> {
     RULES.iter().find(|rule| rule.id == id)
@@ -210,12 +318,8 @@ pub fn find(id: &str) -> Option<&'static Rule> {
 pub fn lint(scene: &Scene, around: &Around, levels: &Levels, targets: &[&str]) -> Vec<Finding> {
     let subject = Subject::of(scene, around);
     let mut findings = Vec::new();
-    for rule in RULES.iter().filter(|rule| rule.concerns(targets)) {
-        let level = levels.get(rule.id).copied().unwrap_or(rule.level);
-        if level == Level::Allow {
-            continue;
-        }
-        let mut report = Report { id: rule.id, severity: level.severity(), findings: Vec::new() };
+    for rule in RULES.iter().filter(|rule| levels.ask(rule, targets)) {
+        let mut report = Report { id: rule.id, severity: levels.of(rule).severity(), findings: Vec::new() };
         (rule.check)(&subject, &mut report);
         findings.extend(report.merged(&scene.origin));
     }

@@ -7,7 +7,6 @@ use crate::files::{Bytes, VPath};
 use crate::ir::Affine;
 use crate::mesh::{self, Extent, Geometry, MeshError, SignedAxis};
 
-use super::super::MESH_LIMIT;
 use super::super::module::beside_help;
 use super::super::value::{MeshValue, Ty, Value};
 use super::{Args, Constructor, Family, Parameter, Problem, Site};
@@ -74,6 +73,8 @@ pub(super) const ROWS: &[Constructor] = &[
             let center = args.vec3("center").unwrap_or_default();
             let segments = args.whole("segments").unwrap_or(64);
             let rings = args.whole("rings").unwrap_or(32);
+            let slice = 2 * u64::from(rings).saturating_sub(1);
+            site.afford("segments", u128::from(segments) * u128::from(slice))?;
             finish(mesh::sphere(radius, center, segments.into(), rings.into()), site)
         },
     },
@@ -171,6 +172,7 @@ fn boxed(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
 fn triangles(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     let positions = points(args, "positions").unwrap_or_default();
     let faces: Vec<[f64; 3]> = points(args, "faces").unwrap_or_default();
+    site.afford("faces", faces.len() as u128)?;
     let whole = |face: &[f64; 3]| face.iter().all(|index| index.fract() == 0.0 && index.abs() < 1e15);
     if let Some(at) = faces.iter().position(|face| !whole(face)) {
         return Err(Problem::new("faces", format!("face {at} has an index that is no whole number")));
@@ -192,17 +194,9 @@ pub(super) fn points<const N: usize>(args: &Args, name: &str) -> Option<Vec<[f64
 }
 
 /// The file that the argument `path` names.
-pub(super) fn read_file(args: &Args, site: &mut Site<'_>, limit: u64) -> Result<(VPath, Bytes), Problem> {
-    let written = text(args, "path").unwrap_or_default();
-    let path = VPath::resolve(site.folder, &written).map_err(|error| {
-        let finding = super::super::module::path_problem(site.span, &error);
-        let found = Problem::new("path", finding.message).id("bad-path").maybe_help(finding.help);
-        match finding.notes.into_iter().next() {
-            Some(note) => found.note(note),
-            None => found,
-        }
-    })?;
-    let bytes = site.host.read(&path, limit).map_err(|error| {
+pub(super) fn read(args: &Args, site: &mut Site<'_>) -> Result<(VPath, Bytes), Problem> {
+    let path = resolved(args, site)?;
+    let bytes = site.host.read(&path).map_err(|error| {
         Problem::new("path", format!("`{path}` cannot be read: {error}"))
             .id("unreadable-file")
             .maybe_help(beside_help(&path, &error))
@@ -210,16 +204,25 @@ pub(super) fn read_file(args: &Args, site: &mut Site<'_>, limit: u64) -> Result<
     Ok((path, bytes))
 }
 
-fn text(args: &Args, name: &str) -> Option<String> {
-    match args.get(name) {
-        Some(Value::String(text)) => Some(text.to_string()),
-        _ => None,
-    }
+/// The path that the argument `path` says, seen from the file in which it is written.
+pub(super) fn resolved(args: &Args, site: &Site<'_>) -> Result<VPath, Problem> {
+    let written = if let Some(Value::String(written)) = args.get("path") { written } else { "" };
+    VPath::resolve(site.folder, written).map_err(|error| {
+        let finding = super::super::module::path_problem(site.span, &error);
+        let found = Problem::new("path", finding.message).id("bad-path").maybe_help(finding.help);
+        match finding.notes.into_iter().next() {
+            Some(note) => found.note(note),
+            None => found,
+        }
+    })
 }
 
 fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
-    let part = text(args, "part");
-    let (path, bytes) = read_file(args, site, MESH_LIMIT)?;
+    let part = match args.get("part") {
+        Some(Value::String(part)) => Some(Rc::clone(part)),
+        _ => None,
+    };
+    let (path, bytes) = read(args, site)?;
     let (geometry, notes) = mesh::file::read(&path.extension(), &bytes, part.as_deref()).map_err(|error| {
         let place = if error.place.is_empty() { path.to_string() } else { format!("{path}, {}", error.place) };
         Problem::new("path", error.message).id("invalid-mesh-file").label(place).maybe_help(error.help)

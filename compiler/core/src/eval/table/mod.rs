@@ -1,6 +1,7 @@
 //! The one table of constructors and functions: names, parameters, types, defaults and documentation. It drives
 //! checking, suggestions, `ltsc explain` and the reference manual.
 
+mod arrays;
 mod functions;
 mod generators;
 mod lights;
@@ -12,15 +13,15 @@ mod textures;
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use crate::diag::Span;
 use crate::files::{Bytes, ReadError, VPath};
-use crate::ir::{Color, ColorOrTexture, Handle, Texture, Vec3};
+use crate::ir::{Affine, Color, ColorOrTexture, Handle, Texture, Vec3};
 
-use super::Reported;
 use super::function::Function;
 use super::value::{Ty, Value};
+use super::{Limit, Limits, Reported};
 
 /// What a constructor makes; the place where it stands asks for one of these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -247,11 +248,14 @@ impl Args {
 
 /// What constructors ask of the evaluator.
 pub(super) trait Host {
-    /// Reads a file of the project of at most `limit` bytes.
-    fn read(&mut self, path: &VPath, limit: u64) -> Result<Bytes, ReadError>;
+    /// Reads a file of the project.
+    fn read(&mut self, path: &VPath) -> Result<Bytes, ReadError>;
 
     /// Keeps a texture, made at `span`.
     fn texture(&mut self, texture: Texture, span: Span) -> Handle<Texture>;
+
+    /// Maps that have been read from a file and are to be kept for the next call that names it.
+    fn scattered(&mut self) -> &mut BTreeMap<VPath, Arc<[Affine]>>;
 
     /// Calls a user's function with as many values as it has parameters, each of its parameter's type; errors are
     /// reported with the call at `span`.
@@ -264,15 +268,37 @@ pub(super) struct Site<'s> {
     pub span: Span,
     /// The folder of the file in which the path was written.
     pub folder: &'s str,
+    /// How many triangles the scene may still make.
+    pub triangles: u64,
+    /// How large the scene may become.
+    pub limits: Limits,
     /// What the evaluator does for it.
     pub host: &'s mut dyn Host,
     /// Things to say although the value could be made.
     pub remarks: Vec<(String, Option<String>)>,
 }
 
+impl Site<'_> {
+    /// Refuses to make `count` triangles where the scene would have too many; `at` is the argument that asks for them.
+    pub(super) fn afford(&self, at: &'static str, count: u128) -> Result<(), Problem> {
+        if count <= u128::from(self.triangles) {
+            return Ok(());
+        }
+        let Limits { triangles, .. } = self.limits;
+        let made = triangles - self.triangles;
+        let problem = Problem::new(at, format!("the mesh would have {count} triangles, more than the scene may make"))
+            .id("triangle-limit")
+            .help(Limit::help("triangles"));
+        Err(problem.note(match made {
+            0 => format!("the meshes of a scene have at most {triangles}"),
+            _ => format!("the meshes of a scene have at most {triangles}, and {made} are made already"),
+        }))
+    }
+}
+
 /// All rows, family by family.
 pub fn table() -> impl Iterator<Item = &'static Constructor> {
-    let parts: [&'static [Constructor]; 8] = [
+    let parts: [&'static [Constructor]; 9] = [
         materials::ROWS,
         textures::ROWS,
         lights::ROWS,
@@ -281,6 +307,7 @@ pub fn table() -> impl Iterator<Item = &'static Constructor> {
         stages::ROWS,
         settings::ROWS,
         functions::ROWS,
+        arrays::ROWS,
     ];
     parts.into_iter().flatten()
 }

@@ -3,9 +3,8 @@
 use crate::image::{self, ImageError};
 use crate::ir::{Encoding, ImageFile, Texture};
 
-use super::super::IMAGE_LIMIT;
 use super::super::value::{Ty, Value};
-use super::meshes::read_file;
+use super::meshes::read;
 use super::{Args, Constructor, Family, Parameter, Problem, Site};
 
 pub(super) const ROWS: &[Constructor] = &[Constructor {
@@ -36,7 +35,7 @@ fn bitmap(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
         Some(Value::String(word)) => Some(encoding(word)?),
         _ => None,
     };
-    let (path, bytes) = read_file(args, site, IMAGE_LIMIT)?;
+    let (path, bytes) = read(args, site)?;
     let image = image::read(&path.extension(), &bytes).map_err(|ImageError { message, place, help }| {
         Problem::new("path", format!("`{path}` {message}"))
             .id("invalid-image-file")
