@@ -4,7 +4,7 @@
 //! tree), [`format`] (text to its canonical form), [`eval`] (tree to Scene), [`mesh`] (generators, mesh files), [`npy`] (arrays of numbers),
 //! [`image`] (headers of image files), [`valid`] (what every emitter may rely on),
 //! [`survey`] (what lies where), [`lint`] (portability), [`lower`] (Scene to Scene), [`capability`] (what a target can say), [`formats`] (targets and
-//! importers), and last [`pipeline`], the only file that knows all stages.
+//! importers), [`pipeline`], the only file that knows all stages, and [`manual`], the pages made from the tables of them all.
 #![deny(clippy::wildcard_enum_match_arm)]
 
 pub mod capability;
@@ -17,6 +17,7 @@ pub mod image;
 pub mod ir;
 pub mod lint;
 pub mod lower;
+pub mod manual;
 pub mod mesh;
 pub mod npy;
 pub mod pipeline;
