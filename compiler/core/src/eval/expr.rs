@@ -225,8 +225,12 @@ impl Interpreter<'_> {
         }
         let mut site = Site { span: call.span, folder, host: self, remarks: Vec::new() };
         let built = (row.build)(&args, &mut site);
-        for (message, help) in site.remarks {
-            self.findings.push(Finding::warn("mesh-file", call.span, message).maybe_help(help));
+        for table::Remark { message, help, lengths } in site.remarks {
+            if lengths {
+                self.lengthened.push((call.span, message));
+            } else {
+                self.findings.push(Finding::warn("mesh-file", call.span, message).maybe_help(help));
+            }
         }
         if let Some(key) = key {
             self.meshes.insert(key, built.as_ref().map_or(Value::Poison, Clone::clone));
