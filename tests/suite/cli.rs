@@ -62,6 +62,52 @@ fn files_that_a_scene_no_longer_has_are_removed_and_only_those() {
 }
 
 #[test]
+fn limits_are_raised_and_lowered() {
+    let (folder, path) = scene(
+        "one",
+        "for i in 1..3 { shape ball = sphere(segments: 10, rings: 6) |> translate(3 * i) with diffuse(0.5) }",
+    );
+    let lint = |limits: &[&str]| {
+        let mut command = ltsc();
+        command.arg("lint").arg(&path).args(["--format", "short"]);
+        limits.iter().for_each(|limit| {
+            command.args(["--limit", limit]);
+        });
+        run(&mut command)
+    };
+    // The lamp has 2 triangles, each ball 2 * 10 * 5.
+    assert_eq!(lint(&[]).code, Some(0));
+    assert_eq!(lint(&["triangles=302", "instances=4", "steps=1_000", "list=3", "text=1KiB"]).code, Some(0));
+    for (limit, code) in [
+        ("triangles=301", "triangle-limit"),
+        ("triangles=50", "triangle-limit"),
+        ("instances=3", "instance-limit"),
+        ("steps=2", "step-limit"),
+        ("list=2", "list-limit"),
+        ("text=100", "unreadable-file"),
+    ] {
+        let ran = lint(&[limit]);
+        assert_eq!(ran.code, Some(3), "{limit}: {}{}", ran.out, ran.err);
+        assert!(ran.out.contains(code), "{limit}: {}", ran.out);
+    }
+    for wrong in ["triangle=5", "triangles", "triangles=0", "triangles=many", "instances=99_000_000_000"] {
+        let ran = lint(&[wrong]);
+        assert_eq!(ran.code, Some(2), "{wrong}: {}", ran.err);
+    }
+    // The project's limits hold for every command, and the command line's count more.
+    fs::write(folder.path().join("ltsc.toml"), "scenes = \"scenes\"\n[limits]\ntriangles = 100\ntext = \"1KiB\"\n")
+        .expect("a write");
+    assert_eq!(lint(&[]).code, Some(3));
+    assert_eq!(lint(&["triangles=1_000"]).code, Some(0));
+    let format = |more: &[&str]| run(ltsc().args(["fmt", "--check"]).arg(&path).args(more)).code;
+    assert_ne!(format(&[]), Some(3));
+    assert_eq!(format(&["--limit", "text=100"]), Some(3));
+    fs::write(folder.path().join("ltsc.toml"), "[limits]\ntriangels = 100\n").expect("a write");
+    let ran = lint(&[]);
+    assert!(ran.code == Some(3) && ran.err.contains("triangles"), "{:?} {}", ran.code, ran.err);
+}
+
+#[test]
 fn a_folder_of_someone_else_is_refused() {
     let (folder, path) = scene("one", "");
     let out = folder.path().join("mine");

@@ -113,9 +113,19 @@ pub struct Findings {
     /// Ignore the `allow` statements of scenes.
     #[arg(long)]
     pub no_allow: bool,
+    #[command(flatten)]
+    pub limits: Limits,
     /// Files are read below this folder only [default: the project's root].
     #[arg(long, value_name = "DIR", env = "LTSC_ROOT")]
     pub root: Option<PathBuf>,
+}
+
+/// How large scenes may become.
+#[derive(Args, Clone, Debug)]
+pub struct Limits {
+    /// Raise or lower a limit: text, file (bytes, also as 64MiB), list, steps, triangles, instances; may be given several times.
+    #[arg(long, value_name = "NAME=N")]
+    pub limit: Vec<String>,
 }
 
 /// Settings that replace the scene's own.
@@ -185,6 +195,8 @@ pub struct Fmt {
     /// Write nothing; show what would change.
     #[arg(long)]
     pub diff: bool,
+    #[command(flatten)]
+    pub limits: Limits,
 }
 
 #[derive(Args, Debug)]

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use ltsc_core::eval::{Limit, Limits};
 use ltsc_core::formats::{self, TARGETS, Target};
 use ltsc_core::lint::{self, Level, Levels};
 use serde::Deserialize;
@@ -24,7 +25,17 @@ struct Text {
     #[serde(default)]
     rules: BTreeMap<String, String>,
     #[serde(default)]
+    limits: BTreeMap<String, Amount>,
+    #[serde(default)]
     renderers: BTreeMap<String, RendererText>,
+}
+
+/// A limit: `100_000`, or `"64MiB"`.
+#[derive(Debug, Deserialize)]
+#[serde(untagged)]
+enum Amount {
+    Number(i64),
+    Text(String),
 }
 
 #[derive(Debug, Default, Deserialize)]
@@ -47,6 +58,8 @@ pub struct Project {
     pub targets: Vec<&'static Target>,
     /// Rule levels that differ from the built-in ones.
     pub levels: Levels,
+    /// How large scenes may become.
+    pub limits: Limits,
     /// Executables of renderers, by name.
     pub executables: BTreeMap<String, PathBuf>,
 }
@@ -70,6 +83,7 @@ impl Project {
             generated: beside,
             targets: TARGETS.iter().collect(),
             levels: Levels::new(),
+            limits: Limits::default(),
             executables: BTreeMap::new(),
         })
     }
@@ -89,7 +103,8 @@ impl Project {
         let file = folder.join(FILE);
         let bad = |message: String| Failure::new(Exit::Input, format!("{}: {message}", file.display()));
         let text = fs::read_to_string(&file).map_err(|error| bad(error.to_string()))?;
-        let Text { scenes, generated, targets, rules, renderers } =
+        let here = |problem: Failure| Failure { help: problem.help, ..bad(problem.message) };
+        let Text { scenes, generated, targets, rules, limits: given, renderers } =
             toml::from_str(&text).map_err(|error| bad(error.to_string().trim_end().to_owned()))?;
         let inside = |key: &str, value: Option<String>, default: &str| {
             let value = value.unwrap_or_else(|| default.to_owned());
@@ -104,7 +119,7 @@ impl Project {
             Some(names) => {
                 let mut known: Vec<&'static Target> = Vec::new();
                 for name in &names {
-                    let target = target(name).map_err(|problem| bad(problem.message))?;
+                    let target = target(name).map_err(here)?;
                     if !known.iter().any(|other| other.name == target.name) {
                         known.push(target);
                     }
@@ -117,10 +132,18 @@ impl Project {
         };
         let mut levels = Levels::new();
         for (id, word) in rules {
-            known_rule(&id).map_err(|problem| bad(problem.message))?;
+            known_rule(&id).map_err(here)?;
             let level = Level::from_word(&word)
                 .ok_or_else(|| bad(format!("rule `{id}`: a level is allow, warn or deny, not `{word}`")))?;
             levels.insert(id, level);
+        }
+        let mut limits = Limits::default();
+        for (name, amount) in given {
+            let amount = match amount {
+                Amount::Number(number) => number.to_string(),
+                Amount::Text(text) => text,
+            };
+            set_limit(&mut limits, &name, &amount).map_err(here)?;
         }
         let mut executables = BTreeMap::new();
         for (name, RendererText { executable }) in renderers {
@@ -139,6 +162,7 @@ impl Project {
             generated: inside("generated", generated, "generated")?,
             targets,
             levels,
+            limits,
             executables,
         })
     }
@@ -153,6 +177,35 @@ impl Project {
         }
         Ok(levels)
     }
+}
+
+/// Limits with what the command line says about them.
+pub fn limits_with(mut limits: Limits, given: &args::Limits) -> Result<Limits, Failure> {
+    for text in &given.limit {
+        let Some((name, amount)) = text.split_once('=') else {
+            return Err(Failure::new(Exit::Usage, format!("`--limit {text}` has no number"))
+                .help("write for example `--limit triangles=100_000_000`"));
+        };
+        set_limit(&mut limits, name.trim(), amount.trim())?;
+    }
+    Ok(limits)
+}
+
+fn set_limit(limits: &mut Limits, name: &str, amount: &str) -> Result<(), Failure> {
+    let wrong = |message: String| Failure::new(Exit::Usage, message);
+    let Some(limit) = Limit::find(name) else {
+        let known: Vec<&str> = Limit::ALL.iter().map(|limit| limit.name).collect();
+        let failure = wrong(format!("there is no limit `{name}`"));
+        return Err(match ltsc_core::diag::nearest(name, known.iter().copied()) {
+            Some(similar) => failure.help(format!("did you mean `{similar}`?")),
+            None => failure.help(format!("known are {}", known.join(", "))),
+        });
+    };
+    let value = ltsc_core::eval::parse_amount(amount).ok_or_else(|| {
+        wrong(format!("the limit `{name}` is a number of {}, not `{amount}`", limit.what))
+            .help("write for example 100_000_000 or 64MiB")
+    })?;
+    limit.set(limits, value).map_err(wrong)
 }
 
 fn known_rule(id: &str) -> Result<(), Failure> {

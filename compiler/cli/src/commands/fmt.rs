@@ -5,7 +5,7 @@ use std::io::Read;
 use std::path::Path;
 
 use ltsc_core::diag::{Severity, Sources};
-use ltsc_core::eval::TEXT_LIMIT;
+use ltsc_core::eval::Limits;
 use ltsc_core::format::{FormatError, format};
 use rayon::prelude::*;
 use similar::TextDiff;
@@ -13,6 +13,7 @@ use similar::TextDiff;
 use crate::args::{Fmt, Format};
 use crate::disk;
 use crate::output::{self, Exit, Failure, Located};
+use crate::project::limits_with;
 use crate::terminal;
 
 use super::shared::files_of;
@@ -35,13 +36,14 @@ pub fn run(command: &Fmt) -> Result<Exit, Failure> {
         return input(command);
     }
     let mut files = Vec::new();
-    for (_, paths) in files_of(&command.paths)? {
-        files.extend(paths);
+    for (project, paths) in files_of(&command.paths)? {
+        let most = limits_with(project.limits, &command.limits)?.text;
+        files.extend(paths.into_iter().map(|path| (path, most)));
     }
-    let done: Vec<Result<Done, Failure>> = files.par_iter().map(|file| one(file, command)).collect();
+    let done: Vec<Result<Done, Failure>> = files.par_iter().map(|(file, most)| one(file, *most, command)).collect();
     let mut worst = Exit::Done;
     let mut changed = 0;
-    for (file, done) in files.iter().zip(done) {
+    for ((file, _), done) in files.iter().zip(done) {
         let exit = match done {
             Ok(Done::Unchanged(_)) => Exit::Done,
             Ok(Done::Changed(before, after)) => {
@@ -67,10 +69,11 @@ pub fn run(command: &Fmt) -> Result<Exit, Failure> {
 
 /// Standard input to standard output.
 fn input(command: &Fmt) -> Result<Exit, Failure> {
+    let most = limits_with(Limits::default(), &command.limits)?.text;
     let mut bytes = Vec::new();
-    let read = std::io::stdin().lock().take(TEXT_LIMIT + 1).read_to_end(&mut bytes);
+    let read = std::io::stdin().lock().take(most.saturating_add(1)).read_to_end(&mut bytes);
     read.map_err(|error| Failure::new(Exit::Input, format!("standard input cannot be read: {error}")))?;
-    let text = text("standard input", bytes)?;
+    let text = text("standard input", bytes, most)?;
     let done = formatted("<stdin>", text)?;
     let (before, after) = match done {
         Done::Refused(exit) => return Ok(exit),
@@ -85,14 +88,14 @@ fn input(command: &Fmt) -> Result<Exit, Failure> {
     Ok(if command.check && before != after { Exit::No } else { Exit::Done })
 }
 
-fn one(file: &Path, command: &Fmt) -> Result<Done, Failure> {
+fn one(file: &Path, most: u64, command: &Fmt) -> Result<Done, Failure> {
     let name = file.display().to_string();
     let unreadable = |error: std::io::Error| Failure::new(Exit::Input, format!("{name} cannot be read: {error}"));
     let size = fs::metadata(file).map_err(unreadable)?.len();
-    if size > TEXT_LIMIT {
-        return Err(Failure::new(Exit::Input, format!("{name} has {size} bytes, more than {TEXT_LIMIT}")));
+    if size > most {
+        return Err(too_large(&name, most));
     }
-    let text = text(&name, fs::read(file).map_err(unreadable)?)?;
+    let text = text(&name, fs::read(file).map_err(unreadable)?, most)?;
     let done = formatted(&name, text)?;
     if let Done::Changed(_, after) = &done
         && !command.check
@@ -106,9 +109,14 @@ fn one(file: &Path, command: &Fmt) -> Result<Done, Failure> {
     Ok(done)
 }
 
-fn text(name: &str, bytes: Vec<u8>) -> Result<String, Failure> {
-    if bytes.len() as u64 > TEXT_LIMIT {
-        return Err(Failure::new(Exit::Input, format!("{name} has more than {TEXT_LIMIT} bytes")));
+fn too_large(name: &str, most: u64) -> Failure {
+    Failure::new(Exit::Input, format!("{name} has more than {most} bytes"))
+        .help("if this is meant, raise the limit by `--limit text=N`")
+}
+
+fn text(name: &str, bytes: Vec<u8>, most: u64) -> Result<String, Failure> {
+    if bytes.len() as u64 > most {
+        return Err(too_large(name, most));
     }
     let text = String::from_utf8(bytes).map_err(|error| {
         let at = error.utf8_error().valid_up_to();

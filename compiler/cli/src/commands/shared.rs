@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use ltsc_core::capability::{Feature, Support, features};
 use ltsc_core::diag::{Finding, Severity, Sources, nearest};
-use ltsc_core::eval::{self, Overrides};
+use ltsc_core::eval::{self, Limits, Overrides};
 use ltsc_core::files::VPath;
 use ltsc_core::formats::Target;
 use ltsc_core::ir::{Camera, Documentation, Handle, Scene};
@@ -51,12 +51,13 @@ pub fn check(
     let root = findings.root.as_deref().unwrap_or(&project.root);
     let disk = DiskFiles::new(root)
         .map_err(|error| Failure::new(Exit::Usage, format!("{} cannot be read: {error}", root.display())))?;
+    let limits = project::limits_with(project.limits, &findings.limits)?;
     let options = Options {
-        overrides,
+        overrides: Overrides { limits, ..overrides },
         levels: project.levels_with(findings)?,
         no_allow: findings.no_allow,
         targets: targets.iter().map(|target| target.name).collect(),
-        scenes: headers(project, files, &disk),
+        scenes: headers(project, files, &disk, limits),
     };
     let one = |file: &PathBuf| {
         let path = disk.path_of(file).ok_or_else(|| {
@@ -73,10 +74,10 @@ pub fn check(
 
 /// The documentation of the project's scenes by name, of a folder without `ltsc.toml` only that of the files asked for. What
 /// cannot be read is passed over: it is reported where it is checked.
-fn headers(project: &Project, files: &[PathBuf], disk: &DiskFiles) -> BTreeMap<String, Documentation> {
+fn headers(project: &Project, files: &[PathBuf], disk: &DiskFiles, limits: Limits) -> BTreeMap<String, Documentation> {
     let all = if project.declared { project::scene_files(&project.scenes).unwrap_or_default() } else { Vec::new() };
     let files = if all.is_empty() { files } else { &all };
-    let headers = files.iter().filter_map(|file| eval::header(disk, &disk.path_of(file)?));
+    let headers = files.iter().filter_map(|file| eval::header(disk, &disk.path_of(file)?, limits));
     headers.collect()
 }
 
@@ -163,7 +164,15 @@ pub fn overrides(settings: &args::Settings) -> Result<Overrides, Failure> {
             .help("write for example `--set alpha=0.2`")),
     };
     let set = set.iter().map(pair).collect::<Result<_, _>>()?;
-    Ok(Overrides { width: *width, height: *height, samples: *samples, seed: *seed, max_depth: *max_depth, set })
+    Ok(Overrides {
+        width: *width,
+        height: *height,
+        samples: *samples,
+        seed: *seed,
+        max_depth: *max_depth,
+        set,
+        ..Overrides::default()
+    })
 }
 
 /// The one scene of a file; findings are printed, and those that forbid to go on end the command.

@@ -33,7 +33,7 @@ pub const CODES: &[Code] = &[
     ),
     code(
         "instance-limit",
-        "Groups make more than 10 million shapes and instances.\nInstances within a group count as often as their group is placed.",
+        "A scene has more than 10 million shapes and instances.\nThose in a group count as often as the group is placed; `--limit instances=N`, or `[limits]` in ltsc.toml, raises the limit.",
     ),
     code(
         "invalid-argument",
@@ -73,7 +73,10 @@ pub const CODES: &[Code] = &[
     code("invalid-scene", "A scene has nothing to render: no shape, no camera, or an image without pixels."),
     code("invalid-shape", "A shape names a mesh or a material that the scene does not have."),
     code("invalid-transform", "A shape's transform flattens, mirrors, or leaves the range of single precision."),
-    code("list-limit", "A list has more than a million elements.\nThe limit keeps a scene from running without end."),
+    code(
+        "list-limit",
+        "A list has more than a million elements.\nThe limit keeps a scene from running without end; `--limit list=N`, or `[limits]` in ltsc.toml, raises it.",
+    ),
     code(
         "loss-approximated",
         "A target says something nearly, not exactly, as the scene means it.\nThe note gives the bound and how it was found. `ltsc explain --target NAME` shows the whole table.",
@@ -134,11 +137,15 @@ pub const CODES: &[Code] = &[
     ),
     code(
         "step-limit",
-        "A file takes more than ten million calls and iterations.\nThe limit keeps a scene from running without end.",
+        "A file takes more than ten million calls and iterations.\nThe limit keeps a scene from running without end; `--limit steps=N`, or `[limits]` in ltsc.toml, raises it.",
     ),
     code(
         "syntax-error",
         "The text does not follow the grammar.\nThe statement is left out, and what stands behind it is still checked.",
+    ),
+    code(
+        "triangle-limit",
+        "The generators and stages of a scene make more than fifty million triangles.\nThe limit keeps a slip of the pen from using up the memory; `--limit triangles=N`, or `[limits]` in ltsc.toml, raises it.",
     ),
     code("type-mismatch", "A value has another type than its place asks for."),
     code(

@@ -10,8 +10,8 @@ use super::function::Function;
 use super::module::Scope;
 use super::ops;
 use super::table::{self, Args, Constructor, Family, Site};
-use super::value::{Refusal, Ty, Value};
-use super::{Interpreter, LIST_LIMIT, MESH_LIMIT, Reported};
+use super::value::{MeshValue, Refusal, Ty, Value};
+use super::{Interpreter, Limit, Reported};
 
 impl Interpreter<'_> {
     pub(super) fn report<T>(&mut self, finding: Finding) -> Result<T, Reported> {
@@ -52,7 +52,7 @@ impl Interpreter<'_> {
                 let span = expr.span;
                 self.each(scope, clauses, &mut Vec::new(), &mut |this, scope, _| {
                     values.push(this.eval(scope, body, None)?);
-                    if values.len() > LIST_LIMIT {
+                    if values.len() > this.limits.list {
                         return this.too_long(values.len(), span);
                     }
                     Ok(())
@@ -112,7 +112,7 @@ impl Interpreter<'_> {
     }
 
     fn list(&mut self, values: Vec<Value>, span: Span) -> Result<Value, Reported> {
-        if values.len() > LIST_LIMIT {
+        if values.len() > self.limits.list {
             self.too_long(values.len(), span)?;
         }
         Ok(Value::List(values.into()))
@@ -121,7 +121,8 @@ impl Interpreter<'_> {
     fn too_long(&mut self, count: usize, span: Span) -> Result<(), Reported> {
         self.report(
             Finding::error("list-limit", span, format!("a list has {count} elements or more"))
-                .note(format!("at most {LIST_LIMIT} are allowed")),
+                .note(format!("at most {} are allowed", self.limits.list))
+                .help(Limit::help("list")),
         )
     }
 
@@ -223,7 +224,14 @@ impl Interpreter<'_> {
                 value => Ok(value.clone()),
             };
         }
-        let mut site = Site { span: call.span, folder, host: self, remarks: Vec::new() };
+        let mut site = Site {
+            span: call.span,
+            folder,
+            triangles: self.limits.triangles.saturating_sub(self.triangles),
+            limits: self.limits,
+            host: self,
+            remarks: Vec::new(),
+        };
         let built = (row.build)(&args, &mut site);
         for table::Remark { message, help, lengths } in site.remarks {
             if lengths {
@@ -232,8 +240,12 @@ impl Interpreter<'_> {
                 self.findings.push(Finding::warn("mesh-file", call.span, message).maybe_help(help));
             }
         }
+        let file = key.is_some();
         if let Some(key) = key {
             self.meshes.insert(key, built.as_ref().map_or(Value::Poison, Clone::clone));
+        }
+        if let (false, Ok(Value::Mesh(made))) = (file, &built) {
+            self.count_triangles(made, &args, call.span)?;
         }
         built.or_else(|problem| {
             let problem = *problem.0;
@@ -248,6 +260,22 @@ impl Interpreter<'_> {
             finding.label = problem.label;
             self.report(finding)
         })
+    }
+
+    /// Adds the triangles of a mesh that a generator or stage made to those of the scene. A stage that only moves a mesh makes
+    /// none.
+    fn count_triangles(&mut self, made: &MeshValue, args: &Args, span: Span) -> Result<(), Reported> {
+        let of_before = |value: &&Value| matches!(value, Value::Mesh(before) if Rc::ptr_eq(&before.mesh, &made.mesh));
+        if args.values.iter().flatten().any(|value| of_before(&value)) {
+            return Ok(());
+        }
+        let most = self.limits.triangles;
+        self.triangles = self.triangles.saturating_add(made.mesh.triangles.len() as u64);
+        if self.triangles <= most {
+            return Ok(());
+        }
+        let message = format!("the meshes of the scene have more than {most} triangles");
+        self.report(Finding::error("triangle-limit", span, message).label("up to here").help(Limit::help("triangles")))
     }
 
     /// Reports a call of something that is no constructor and no function.
@@ -448,7 +476,7 @@ impl Interpreter<'_> {
 
 impl table::Host for Interpreter<'_> {
     fn read(&mut self, path: &VPath) -> Result<Bytes, ReadError> {
-        let bytes = self.files.read(path, MESH_LIMIT)?;
+        let bytes = self.files.read(path, self.limits.file)?;
         self.inputs.insert(path.clone(), bytes.clone());
         Ok(bytes)
     }

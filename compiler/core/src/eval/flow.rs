@@ -9,7 +9,7 @@ use crate::syntax::{self, Clause, Expr, Name, Statement, StatementKind, Type};
 use super::function::Typed;
 use super::module::{Module, Scope};
 use super::value::Value;
-use super::{Interpreter, LIST_LIMIT, Reported, STEP_LIMIT, SceneParameter};
+use super::{Interpreter, Limit, Reported, SceneParameter};
 
 /// Names of the iterations of the loops around a place: values of range variables, indices of list elements.
 pub(super) type Path = Vec<String>;
@@ -18,14 +18,15 @@ impl Interpreter<'_> {
     /// Counts one call or iteration; the limit keeps a scene from running without end.
     pub(super) fn step(&mut self, span: Span) -> Result<(), Reported> {
         self.steps += 1;
-        if self.steps <= STEP_LIMIT {
+        if self.steps <= self.limits.steps {
             return Ok(());
         }
-        if self.steps == STEP_LIMIT + 1 {
+        if self.steps == self.limits.steps + 1 {
             self.findings.push(
-                Finding::error("step-limit", span, format!("the file takes more than {STEP_LIMIT} steps"))
+                Finding::error("step-limit", span, format!("the file takes more than {} steps", self.limits.steps))
                     .label("reached here")
-                    .note("calls and iterations of loops count as steps"),
+                    .note("calls and iterations of loops count as steps")
+                    .help(Limit::help("steps")),
             );
         }
         Err(Reported)
@@ -109,10 +110,11 @@ impl Interpreter<'_> {
                     .help(format!("write `{hi}..{lo}`, or `reverse(...)` of a list")),
             );
         }
-        if count > LIST_LIMIT as f64 {
+        if count > self.limits.list as f64 {
             return self.report(
                 Finding::error("list-limit", span, format!("the range has {count} numbers"))
-                    .note(format!("at most {LIST_LIMIT} are allowed")),
+                    .note(format!("at most {} are allowed", self.limits.list))
+                    .help(Limit::help("list")),
             );
         }
         Ok((0..count as u32).map(|step| Value::Number(lo + f64::from(step))).collect())

@@ -13,7 +13,7 @@ use super::module::{Module, Scope};
 use super::numeric::Program;
 use super::table::{self, Family};
 use super::value::{GroupValue, MaterialValue, Ty, Value};
-use super::{Interpreter, Reported, STEP_LIMIT};
+use super::{Interpreter, Reported};
 
 /// How deep calls of functions may nest.
 const CALL_DEPTH: usize = 128;
@@ -375,7 +375,7 @@ impl Interpreter<'_> {
         if let Some(program) = function.program.get_or_init(|| Program::of(function)) {
             let mut steps = self.steps;
             let result = program.run(values, &mut steps);
-            if let Some(result) = result.filter(|_| steps <= STEP_LIMIT) {
+            if let Some(result) = result.filter(|_| steps <= self.limits.steps) {
                 self.steps = steps;
                 return Ok(result);
             }

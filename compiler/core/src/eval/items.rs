@@ -3,13 +3,13 @@
 use std::rc::Rc;
 
 use crate::diag::{Finding, Span};
-use crate::ir::{GROUP_DEPTH, INSTANCE_LIMIT, LightKind};
+use crate::ir::{GROUP_DEPTH, LightKind};
 use crate::syntax::{Expr, Kind, Name};
 
 use super::module::{Module, Scope};
 use super::table::Family;
 use super::value::{EmissionValue, GroupValue, MaterialValue, MeshValue, Value};
-use super::{Interpreter, Reported};
+use super::{Interpreter, Limit, Reported};
 
 /// A shape or an emitter.
 #[derive(Clone, Debug)]
@@ -97,13 +97,7 @@ impl Interpreter<'_> {
                 .push(Finding::error("duplicate-name", name.span, message).label("again").also(first, "first here"));
             return;
         }
-        module.size = module.size.saturating_add(group.body.size).saturating_add(1);
-        if module.size > INSTANCE_LIMIT {
-            let message = format!("the scene has more than {INSTANCE_LIMIT} shapes and instances");
-            self.findings.push(
-                Finding::error("instance-limit", span, message)
-                    .note("instances within groups count as often as their group is placed"),
-            );
+        if !self.grow(module, group.body.size.saturating_add(1), span) {
             return;
         }
         module.group_depth = module.group_depth.max(group.body.depth + 1);
@@ -113,6 +107,23 @@ impl Interpreter<'_> {
             return;
         }
         module.instances.push(Placed { name: text, span, group });
+    }
+
+    /// Adds `more` shapes and instances to the size of what is evaluated; false where it is too large then, which is reported
+    /// once.
+    fn grow(&mut self, module: &mut Module, more: u64, span: Span) -> bool {
+        let (before, most) = (module.size, self.limits.instances);
+        module.size = before.saturating_add(more);
+        if module.size > most && before <= most {
+            let message = format!("the scene has more than {most} shapes and instances");
+            self.findings.push(
+                Finding::error("instance-limit", span, message)
+                    .label("reached here")
+                    .note("instances within groups count as often as their group is placed")
+                    .help(Limit::help("instances")),
+            );
+        }
+        module.size <= most
     }
 
     #[expect(clippy::too_many_arguments, reason = "the parts of one statement")]
@@ -193,7 +204,9 @@ impl Interpreter<'_> {
             );
             return;
         }
-        module.size = module.size.saturating_add(1);
+        if !self.grow(module, 1, span) {
+            return;
+        }
         module.items.push(Item { name: text, span, mesh, material, emission });
     }
 
@@ -244,7 +257,9 @@ impl Interpreter<'_> {
             );
             return;
         }
-        module.size = module.size.saturating_add(1);
+        if !self.grow(module, 1, span) {
+            return;
+        }
         module.lights.push(Lit { name: text, span, kind: kind.clone() });
     }
 

@@ -10,6 +10,7 @@ mod expr;
 mod flow;
 mod function;
 mod items;
+mod limits;
 mod module;
 mod numeric;
 mod ops;
@@ -24,20 +25,9 @@ use crate::diag::{Finding, Severity, Sources, Span};
 use crate::files::{Files, VPath};
 use crate::ir::{Documentation, Scene};
 
+pub use limits::{Limit, Limits, parse_amount};
 pub use table::{Constructor, Family, Parameter, table};
 pub use value::Ty;
-
-/// The largest scene text in bytes.
-pub const TEXT_LIMIT: u64 = 64 << 20;
-
-/// The largest mesh file in bytes.
-pub const MESH_LIMIT: u64 = 16 << 30;
-
-/// The most elements of a list.
-pub const LIST_LIMIT: usize = 1_000_000;
-
-/// The most calls and iterations of a file.
-pub const STEP_LIMIT: u64 = 10_000_000;
 
 /// Settings that replace the scene's own, from the command line.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -54,6 +44,8 @@ pub struct Overrides {
     pub max_depth: Option<u32>,
     /// Values of the scene's parameters, as texts of expressions; the last one of a name counts.
     pub set: Vec<(String, String)>,
+    /// How large the scene may become.
+    pub limits: Limits,
 }
 
 /// A parameter that a scene declares.
@@ -112,7 +104,7 @@ pub struct Evaluated {
 
 /// Reads and evaluates the file at `path`. Texts that were read are added to `sources`.
 pub fn evaluate(files: &dyn Files, sources: &mut Sources, path: &VPath, overrides: &Overrides) -> Evaluated {
-    let mut interpreter = Interpreter::new(files, sources, &overrides.set);
+    let mut interpreter = Interpreter::new(files, sources, &overrides.set, overrides.limits);
     let loaded = interpreter.main(path);
     if loaded.is_some() {
         interpreter.unknown_settings(path);
@@ -131,13 +123,13 @@ pub fn evaluate(files: &dyn Files, sources: &mut Sources, path: &VPath, override
 
 /// The name and documentation of the scene in the file at `path`; none for a library and for what cannot be read. Nothing but
 /// the header is looked at.
-pub fn header(files: &dyn Files, path: &VPath) -> Option<(String, Documentation)> {
-    let bytes = files.read(path, TEXT_LIMIT).ok()?;
+pub fn header(files: &dyn Files, path: &VPath, limits: Limits) -> Option<(String, Documentation)> {
+    let bytes = files.read(path, limits.text).ok()?;
     let text = std::str::from_utf8(&bytes).ok()?;
     let mut sources = Sources::default();
     let file = sources.add(path.as_str(), text);
     let tree = crate::syntax::header(file, text)?;
-    Interpreter::new(files, &mut sources, &[]).header_alone(&tree)
+    Interpreter::new(files, &mut sources, &[], limits).header_alone(&tree)
 }
 
 /// What has been reported and has no value.
@@ -158,6 +150,9 @@ struct Interpreter<'f> {
     meshes: BTreeMap<(VPath, Option<String>), value::Value>,
     /// Calls and iterations up to now.
     steps: u64,
+    /// Triangles that generators and stages made up to now.
+    triangles: u64,
+    limits: Limits,
     /// Calls of functions around the place that is evaluated.
     call_depth: usize,
     /// Values of parameters from outside.
@@ -169,7 +164,7 @@ struct Interpreter<'f> {
 }
 
 impl<'f> Interpreter<'f> {
-    fn new(files: &'f dyn Files, sources: &'f mut Sources, set: &'f [(String, String)]) -> Self {
+    fn new(files: &'f dyn Files, sources: &'f mut Sources, set: &'f [(String, String)], limits: Limits) -> Self {
         Self {
             files,
             sources,
@@ -180,6 +175,8 @@ impl<'f> Interpreter<'f> {
             inputs: BTreeMap::new(),
             meshes: BTreeMap::new(),
             steps: 0,
+            triangles: 0,
+            limits,
             call_depth: 0,
             set,
             scene_parameters: Vec::new(),

@@ -11,7 +11,7 @@ use crate::syntax::{self, Expr, ExprKind, Kind, Name, Statement, StatementKind, 
 use super::items::{self, Item, Lit, Placed};
 use super::table::Family;
 use super::value::{CameraValue, MaterialValue, Value};
-use super::{Allow, Interpreter, Reported, TEXT_LIMIT};
+use super::{Allow, Interpreter, Reported};
 
 /// Names and their values; a declared name has a place.
 pub(super) type Names = BTreeMap<String, (Value, Span)>;
@@ -135,7 +135,7 @@ impl Interpreter<'_> {
     /// Reads and parses a file. The finding of an error has no place yet.
     fn load(&mut self, path: &VPath) -> Result<Tree, Box<Finding>> {
         let place = crate::diag::Origin::Made;
-        let bytes = self.files.read(path, TEXT_LIMIT).map_err(|error| Box::new(read_problem(path, &error)))?;
+        let bytes = self.files.read(path, self.limits.text).map_err(|error| Box::new(read_problem(path, &error)))?;
         self.inputs.insert(path.clone(), bytes.clone());
         let text = std::str::from_utf8(&bytes).map_err(|error| {
             let line = bytes[..error.valid_up_to()].iter().filter(|byte| **byte == b'\n').count() + 1;

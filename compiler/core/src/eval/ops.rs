@@ -5,7 +5,8 @@ use std::rc::Rc;
 use crate::ir::Color;
 use crate::syntax::{Binary, Unary};
 
-use super::LIST_LIMIT;
+/// The most parts of values that are compared.
+const PARTS: usize = 1_000_000;
 use super::value::Value;
 
 /// Why an operator gives no value: the message, and what to write instead.
@@ -80,9 +81,9 @@ fn logic(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wrong> 
 }
 
 fn equality(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wrong> {
-    let mut left_over = LIST_LIMIT;
+    let mut left_over = PARTS;
     match compare(left, right, &mut left_over) {
-        _ if left_over == 0 => wrong(format!("the values have more than {LIST_LIMIT} parts, too many to compare")),
+        _ if left_over == 0 => wrong(format!("the values have more than {PARTS} parts, too many to compare")),
         Some(equal) => Ok(Value::Bool(equal == (operator == Binary::Equal))),
         None => mismatch(operator, left, right),
     }
@@ -90,7 +91,7 @@ fn equality(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wron
 
 /// Whether two values of the same type are equal; none for types that cannot be compared, and for very large values.
 pub(super) fn same(left: &Value, right: &Value) -> Option<bool> {
-    let mut left_over = LIST_LIMIT;
+    let mut left_over = PARTS;
     compare(left, right, &mut left_over).filter(|_| left_over > 0)
 }
 

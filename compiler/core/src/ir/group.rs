@@ -2,8 +2,9 @@
 
 use super::{Affine, Arena, Handle, Shape};
 
-/// The most shapes and instances that a scene's groups make when they are multiplied out.
-pub const INSTANCE_LIMIT: u64 = 10_000_000;
+/// The most shapes and instances that a scene's groups make when they are multiplied out: what the language and importers can
+/// be told to allow at most.
+pub const INSTANCE_LIMIT: u64 = 1_000_000_000;
 
 /// How deep groups may hold each other.
 pub const GROUP_DEPTH: usize = 128;

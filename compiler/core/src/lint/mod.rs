@@ -3,8 +3,12 @@
 //! A rule is a file with its page (`DOC`), and a line in [`RULES`].
 
 mod black_surface;
+mod camera_in_dielectric;
+mod camera_inside_mesh;
+mod dark_emitter;
 mod degenerate_triangles;
 mod duplicate_triangles;
+mod emitter_facing_away;
 mod far_from_origin;
 mod flipped_normals;
 mod inside_out_dielectric;
@@ -20,8 +24,11 @@ mod missing_normals;
 mod needless_triangles;
 mod non_mesh_emitter;
 mod non_unit_normals;
+mod nothing_in_view;
+mod odd_field_of_view;
 mod one_sided_similar;
 mod open_dielectric;
+mod out_of_range_distance;
 mod outside_not_air;
 mod reflectance_over_one;
 mod rough_too_small;
@@ -29,6 +36,7 @@ mod same_paths;
 mod smooth_emitter;
 mod undocumented_scene;
 mod unknown_similar;
+mod unlit_scene;
 mod unreachable_paths;
 mod unused_name;
 
@@ -36,7 +44,7 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use crate::diag::{Finding, Label, Origin, Severity, Span};
-use crate::ir::{Documentation, Handle, Mesh, Scene};
+use crate::ir::{Camera, Documentation, Handle, Mesh, Scene};
 use crate::mesh::{Faults, View, faults, is_closed};
 use crate::survey::Survey;
 
@@ -174,8 +182,12 @@ impl<'a> Subject<'a> {
 /// All rules, by name.
 pub static RULES: &[Rule] = &[
     black_surface::RULE,
+    camera_in_dielectric::RULE,
+    camera_inside_mesh::RULE,
+    dark_emitter::RULE,
     degenerate_triangles::RULE,
     duplicate_triangles::RULE,
+    emitter_facing_away::RULE,
     far_from_origin::RULE,
     flipped_normals::RULE,
     inside_out_dielectric::RULE,
@@ -191,8 +203,11 @@ pub static RULES: &[Rule] = &[
     needless_triangles::RULE,
     non_mesh_emitter::RULE,
     non_unit_normals::RULE,
+    nothing_in_view::RULE,
+    odd_field_of_view::RULE,
     one_sided_similar::RULE,
     open_dielectric::RULE,
+    out_of_range_distance::RULE,
     outside_not_air::RULE,
     reflectance_over_one::RULE,
     rough_too_small::RULE,
@@ -200,6 +215,7 @@ pub static RULES: &[Rule] = &[
     smooth_emitter::RULE,
     undocumented_scene::RULE,
     unknown_similar::RULE,
+    unlit_scene::RULE,
     unreachable_paths::RULE,
     unused_name::RULE,
 ];
@@ -261,6 +277,11 @@ fn also(finding: &mut Finding, origin: &Origin, text: &str) {
 /// `1 triangle`, `2 triangles`.
 fn plural(count: usize, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
+}
+
+/// What messages call a camera.
+fn called(camera: &Camera) -> String {
+    camera.name.as_ref().map_or_else(|| "the camera".to_owned(), |name| format!("the camera `{name}`"))
 }
 
 /// The rule called `id`.

@@ -282,7 +282,7 @@ fn emitters_leave_groups_and_mirrors_get_their_own() {
 #[test]
 fn too_many_instances_and_broken_groups_pass_through() {
     let mut scene = lanterns(&[turned(), turned()]);
-    for _ in 0..8 {
+    for _ in 0..10 {
         let last = scene.groups.iter().last().expect("a group").0;
         group(&mut scene, "ten", Vec::new(), &[(last, Affine::IDENTITY); 10]);
     }

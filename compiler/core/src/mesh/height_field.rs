@@ -40,7 +40,7 @@ impl Field {
         let triangles = 2 * (counts.0 - 1) * (counts.1 - 1);
         if triangles > MAX_TRIANGLES {
             return Err(MeshError::new("vertices", format!("the field has {triangles} triangles"))
-                .help(format!("at most {MAX_TRIANGLES} are made")));
+                .help(format!("write fewer vertices: at most {MAX_TRIANGLES} triangles have 32-bit indices")));
         }
         Ok(Self { x, y, counts })
     }

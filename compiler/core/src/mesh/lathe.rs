@@ -286,6 +286,6 @@ mod tests {
         // Hardly above the least number of single precision: corners of the polygon coincide.
         says(&[[1e-44, 0.0], [1e-44, 3e-44]], false, "vanish");
         let segments = |segments| lathe(&[[1.0, 0.0], [1.0, 1.0]], segments, false).expect_err("bad").argument;
-        assert_eq!([2, 25_000_001, u64::MAX].map(segments), ["segments"; 3]);
+        assert_eq!([2, (1 << 29) + 1, u64::MAX].map(segments), ["segments"; 3]);
     }
 }

@@ -50,8 +50,8 @@ pub use torus::torus;
 pub use transform::{transform, transform_normals, transform_positions};
 pub use triangles::triangles;
 
-/// The largest number of triangles that a generator makes.
-pub const MAX_TRIANGLES: u64 = 50_000_000;
+/// The largest number of triangles that a generator makes: three vertices for each have 32-bit indices.
+pub const MAX_TRIANGLES: u64 = 1 << 30;
 
 /// How far the length of a normal may be from 1.
 pub const UNIT_TOLERANCE: f64 = 1e-3;

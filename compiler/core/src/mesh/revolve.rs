@@ -67,7 +67,7 @@ impl Revolution {
     pub fn strip(&mut self, rows: &[Row]) -> Result<(), MeshError> {
         let mut below: Option<(u32, bool)> = None;
         for row in rows {
-            // At most 50 million triangles use these vertices, and no vertex is unused: 32 bits are enough.
+            // At most MAX_TRIANGLES use these vertices, and no vertex is unused: 32 bits are enough.
             let start = self.positions.len() as u32;
             let pole = row.r == 0.0;
             self.circle(row)?;

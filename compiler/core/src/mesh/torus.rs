@@ -85,6 +85,6 @@ mod tests {
         assert_eq!(at(2.0, 1.0, 2, 32), "segments");
         assert_eq!(at(2.0, 1.0, 64, 2), "rings");
         assert_eq!(at(2.0, 1.0, u64::MAX, u64::MAX), "segments");
-        assert_eq!(at(2.0, 1.0, 3, 8_333_334), "segments");
+        assert_eq!(at(2.0, 1.0, 3, (1 << 30) / 6 + 1), "segments");
     }
 }

@@ -52,8 +52,42 @@ impl Frustum {
 
     /// The distances at which a triangle is seen, what hides it aside; none where it lies outside.
     pub fn sees(&self, triangle: [Vec3; 3]) -> Option<Span> {
-        let mut polygon: Vec<Vec3> = triangle.iter().map(|corner| self.local(*corner)).collect();
-        // Sutherland and Hodgman 1974: cut by one plane after the other.
+        let polygon = self.cut(triangle)?;
+        let depths = polygon.iter().map(|point| point[2]);
+        let near = depths.clone().fold(f64::INFINITY, f64::min);
+        Some(Span { near, far: depths.fold(0.0, f64::max) })
+    }
+
+    /// A point in the middle of what is seen of a triangle, in the scene; none where it lies outside.
+    pub fn seen_point(&self, triangle: [Vec3; 3]) -> Option<Vec3> {
+        let mean = |points: &[Vec3]| {
+            let share = 1.0 / points.len() as f64;
+            points.iter().fold([0.0; 3], |sum, point| [0, 1, 2].map(|axis| sum[axis] + share * point[axis]))
+        };
+        let middle = mean(&triangle);
+        if self.inside(self.local(middle)).iter().all(|side| *side >= 0.0) {
+            return Some(middle);
+        }
+        let [x, y, z] = mean(&self.cut(triangle)?);
+        let Axes { right, up, forward } = self.axes;
+        Some([0, 1, 2].map(|axis| self.eye[axis] + x * right[axis] + y * up[axis] + z * forward[axis]))
+    }
+
+    /// How near and how far the corners of a box lie along the optical axis; below 0 behind the eye.
+    pub fn depths(&self, bounds: Bounds) -> Span {
+        let depths = bounds.corners().map(|corner| self.local(corner)[2]);
+        let near = depths.into_iter().fold(f64::INFINITY, f64::min);
+        Span { near, far: depths.into_iter().fold(f64::NEG_INFINITY, f64::max) }
+    }
+
+    /// What is seen of a triangle, as a polygon with local corners (Sutherland and Hodgman 1974); none where it lies outside.
+    fn cut(&self, triangle: [Vec3; 3]) -> Option<Vec<Vec3>> {
+        let corners = triangle.map(|corner| self.local(corner));
+        let sides = corners.map(|corner| self.inside(corner));
+        if (0..5).any(|plane| sides.iter().all(|side| side[plane] < 0.0)) {
+            return None;
+        }
+        let mut polygon = corners.to_vec();
         for plane in 0..5 {
             let mut cut = Vec::with_capacity(polygon.len() + 1);
             for at in 0..polygon.len() {
@@ -72,9 +106,7 @@ impl Frustum {
                 return None;
             }
         }
-        let depths = polygon.iter().map(|point| point[2]);
-        let near = depths.clone().fold(f64::INFINITY, f64::min);
-        Some(Span { near, far: depths.fold(0.0, f64::max) })
+        Some(polygon)
     }
 }
 
@@ -110,6 +142,9 @@ mod tests {
         let floor = [[-100.0, -100.0, -1.0], [100.0, -100.0, -1.0], [0.0, 100.0, -1.0]];
         let seen = frustum.sees(floor).expect("it is seen");
         assert!((seen.near - 2.0).abs() < 1e-9 && (seen.far - 110.0).abs() < 1e-9, "{seen:?}");
+        let point = frustum.seen_point(floor).expect("it is seen");
+        assert!(frustum.inside(frustum.local(point)).iter().all(|side| *side >= 0.0) && (point[2] + 1.0).abs() < 1e-9);
+        assert_eq!(frustum.depths(Bounds::of_triangle(floor)), Span { near: -90.0, far: 110.0 });
     }
 
     #[test]

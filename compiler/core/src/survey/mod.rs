@@ -5,9 +5,11 @@
 
 mod bounds;
 mod frustum;
+mod inside;
 
 pub use bounds::Bounds;
 pub use frustum::{Frustum, Span};
+pub use inside::{whole, winding};
 
 use crate::diag::Origin;
 use crate::ir::{Affine, Arena, Instance, Scene, Shape, Vec3};

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use crate::ir::{cross, dot, normalized};
 
-use super::super::LIST_LIMIT;
+use super::super::Limit;
 use super::super::value::{Ty, Value};
 use super::{Args, Constructor, Family, Parameter, Problem};
 
@@ -121,14 +121,15 @@ pub(super) const ROWS: &[Constructor] = &[
         ],
         "Two lists, one behind the other.",
         "let a = concat([1, 2], [3])",
-        |args, _| {
+        |args, site| {
             let part = |name| args.list(name).unwrap_or_default();
             let (a, b) = (part("a"), part("b"));
-            if a.len() + b.len() > LIST_LIMIT {
+            if a.len() + b.len() > site.limits.list {
                 let message = format!("the list would have {} elements", a.len() + b.len());
                 return Err(Problem::new(None, message)
                     .id("list-limit")
-                    .note(format!("at most {LIST_LIMIT} are allowed")));
+                    .note(format!("at most {} are allowed", site.limits.list))
+                    .help(Limit::help("list")));
             }
             Ok(Value::List(a.iter().chain(b).cloned().collect()))
         },

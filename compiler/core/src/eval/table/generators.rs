@@ -47,6 +47,7 @@ pub(super) const ROWS: &[Constructor] = &[
         example: "mesh washer = disk(radius: 2, inner: 1) |> translate(z: 3)",
         build: |args, site| {
             let inner = args.number("inner").unwrap_or_default();
+            around(args, site, if inner == 0.0 { 1 } else { 2 })?;
             finish(mesh::disk(number(args, "radius")?, inner, segments(args)), site)
         },
     },
@@ -63,6 +64,7 @@ pub(super) const ROWS: &[Constructor] = &[
         positional: 0,
         example: "mesh shaft = cylinder(radius: 0.3, z: 0..4, caps: false)",
         build: |args, site| {
+            around(args, site, if caps(args) { 4 } else { 2 })?;
             let made = mesh::cylinder(number(args, "radius")?, interval(args, "z")?, segments(args), caps(args));
             finish(made, site)
         },
@@ -83,7 +85,11 @@ pub(super) const ROWS: &[Constructor] = &[
         build: |args, site| {
             let top = args.number("top").unwrap_or_default();
             let z = interval(args, "z")?;
-            finish(mesh::cone(number(args, "radius")?, top, z, segments(args), caps(args)), site)
+            let radius = number(args, "radius")?;
+            // An end of no radius is a point: half the triangles, and no cap.
+            let ends = [radius, top].into_iter().filter(|radius| *radius > 0.0).count() as u64;
+            around(args, site, if caps(args) { 2 * ends } else { ends })?;
+            finish(mesh::cone(radius, top, z, segments(args), caps(args)), site)
         },
     },
     Constructor {
@@ -100,6 +106,7 @@ pub(super) const ROWS: &[Constructor] = &[
         example: "mesh ring = torus(major: 9, minor: 0.5, segments: 128)",
         build: |args, site| {
             let rings = args.whole("rings").unwrap_or(32);
+            around(args, site, u64::from(rings) * 2)?;
             let (major, minor) = (number(args, "major")?, number(args, "minor")?);
             finish(mesh::torus(major, minor, segments(args), rings.into()), site)
         },
@@ -123,6 +130,7 @@ pub(super) const ROWS: &[Constructor] = &[
         example: "mesh bowl = lathe([(0, 0), (3, 1), (4, 5)], segments: 96)",
         build: |args, site| {
             let profile: Vec<[f64; 2]> = points(args, "profile").unwrap_or_default();
+            around(args, site, 2 * profile.len().saturating_sub(1) as u64)?;
             finish(mesh::lathe(&profile, segments(args), flag(args, "closed", false)), site)
         },
     },
@@ -177,6 +185,11 @@ fn segments(args: &Args) -> u64 {
     args.whole("segments").unwrap_or(64).into()
 }
 
+/// Whether the scene may make a mesh of `slice` triangles in each segment.
+fn around(args: &Args, site: &Site<'_>, slice: u64) -> Result<(), Problem> {
+    site.afford("segments", u128::from(segments(args)) * u128::from(slice))
+}
+
 fn caps(args: &Args) -> bool {
     flag(args, "caps", true)
 }
@@ -212,6 +225,7 @@ fn field(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
         _ => return Err(Problem::new("vertices", "`vertices` is missing")),
     };
     let field = mesh::Field::new(interval(args, "x")?, interval(args, "y")?, counts).map_err(problem)?;
+    site.afford("vertices", 2 * u128::from(counts.0 - 1) * u128::from(counts.1 - 1))?;
     let mut heights = Vec::new();
     for (x, y) in field.places() {
         let values = vec![Value::Number(x), Value::Number(y)];

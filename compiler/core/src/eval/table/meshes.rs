@@ -73,6 +73,8 @@ pub(super) const ROWS: &[Constructor] = &[
             let center = args.vec3("center").unwrap_or_default();
             let segments = args.whole("segments").unwrap_or(64);
             let rings = args.whole("rings").unwrap_or(32);
+            let slice = 2 * u64::from(rings).saturating_sub(1);
+            site.afford("segments", u128::from(segments) * u128::from(slice))?;
             finish(mesh::sphere(radius, center, segments.into(), rings.into()), site)
         },
     },
@@ -170,6 +172,7 @@ fn boxed(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
 fn triangles(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     let positions = points(args, "positions").unwrap_or_default();
     let faces: Vec<[f64; 3]> = points(args, "faces").unwrap_or_default();
+    site.afford("faces", faces.len() as u128)?;
     let whole = |face: &[f64; 3]| face.iter().all(|index| index.fract() == 0.0 && index.abs() < 1e15);
     if let Some(at) = faces.iter().position(|face| !whole(face)) {
         return Err(Problem::new("faces", format!("face {at} has an index that is no whole number")));

@@ -17,9 +17,9 @@ use crate::diag::Span;
 use crate::files::{Bytes, ReadError, VPath};
 use crate::ir::{Color, Vec3};
 
-use super::Reported;
 use super::function::Function;
 use super::value::{Ty, Value};
+use super::{Limit, Limits, Reported};
 
 /// What a constructor makes; the place where it stands asks for one of these.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -248,6 +248,10 @@ pub(super) struct Site<'s> {
     pub span: Span,
     /// The folder of the file in which the path was written.
     pub folder: &'s str,
+    /// How many triangles the scene may still make.
+    pub triangles: u64,
+    /// How large the scene may become.
+    pub limits: Limits,
     /// What the evaluator does for it.
     pub host: &'s mut dyn Host,
     /// Things to say although the value could be made.
@@ -262,6 +266,24 @@ pub(super) struct Remark {
     pub help: Option<String>,
     /// Whether it is about normals of another length than 1: then lint says it.
     pub lengths: bool,
+}
+
+impl Site<'_> {
+    /// Refuses to make `count` triangles where the scene would have too many; `at` is the argument that asks for them.
+    pub(super) fn afford(&self, at: &'static str, count: u128) -> Result<(), Problem> {
+        if count <= u128::from(self.triangles) {
+            return Ok(());
+        }
+        let Limits { triangles, .. } = self.limits;
+        let made = triangles - self.triangles;
+        let problem = Problem::new(at, format!("the mesh would have {count} triangles, more than the scene may make"))
+            .id("triangle-limit")
+            .help(Limit::help("triangles"));
+        Err(problem.note(match made {
+            0 => format!("the meshes of a scene have at most {triangles}"),
+            _ => format!("the meshes of a scene have at most {triangles}, and {made} are made already"),
+        }))
+    }
 }
 
 /// All rows, family by family.
