@@ -22,7 +22,8 @@ fuzz_target!(|text: &str| {
         return;
     }
     let Ok((scene, _)) = prepare(scene) else { return };
-    if scene.shapes.len() + scene.instances.len() > 10_000 {
+    let places: usize = scene.instances.values().map(|instance| instance.places.maps().len()).sum();
+    if scene.shapes.len() + places > 10_000 {
         return;
     }
     let camera = camera(&scene, None).expect("a valid scene has a camera");

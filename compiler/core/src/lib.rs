@@ -1,7 +1,7 @@
 //! The pure core of ltsc: no disk, clock, process, environment or terminal.
 //!
 //! Reading order: [`diag`] and [`files`] (what everything speaks), [`ir`] (the Scene in the middle), [`syntax`] (text to
-//! tree), [`format`] (text to its canonical form), [`eval`] (tree to Scene), [`mesh`] (generators, mesh files), [`valid`] (what every emitter may rely on),
+//! tree), [`format`] (text to its canonical form), [`eval`] (tree to Scene), [`mesh`] (generators, mesh files), [`npy`] (arrays of numbers), [`valid`] (what every emitter may rely on),
 //! [`survey`] (what lies where), [`lint`] (portability), [`lower`] (Scene to Scene), [`capability`] (what a target can say), [`formats`] (targets and
 //! importers), and last [`pipeline`], the only file that knows all stages.
 #![deny(clippy::wildcard_enum_match_arm)]
@@ -16,6 +16,7 @@ pub mod ir;
 pub mod lint;
 pub mod lower;
 pub mod mesh;
+pub mod npy;
 pub mod pipeline;
 pub mod survey;
 pub mod syntax;

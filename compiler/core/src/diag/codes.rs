@@ -39,6 +39,10 @@ pub const CODES: &[Code] = &[
         "invalid-argument",
         "An argument has the right type and no meaning, such as a width of 0.\n`ltsc explain NAME` shows the range of each argument of a constructor.",
     ),
+    code(
+        "invalid-array",
+        "A `.npy` file is malformed, or its numbers cannot be used: NaN, another shape, a matrix without inverse.\n`numpy.save(path, array)` writes what is read here; arrays of objects, strings and records are refused.",
+    ),
     code("invalid-camera", "A camera looks nowhere, or its angle of view is not between 0 and 180 degrees."),
     code("invalid-emission", "An emitter's radiance is negative or not finite."),
     code("invalid-film", "A film has no pixels, too many, or a filter without extent."),

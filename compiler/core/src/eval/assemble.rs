@@ -253,9 +253,9 @@ impl Builder {
     /// Groups come first, so that handles point backwards. How deep they hold each other is limited.
     fn instances(&mut self, placed: &[Placed]) -> Arena<Instance> {
         let mut instances = Arena::default();
-        for Placed { name, span, group: GroupValue { body, transform } } in placed {
+        for Placed { name, span, group: GroupValue { body, places } } in placed {
             let group = self.group(body);
-            instances.push(Instance { name: name.clone(), group, transform: *transform }, *span);
+            instances.push(Instance { name: name.clone(), group, places: places.clone() }, *span);
         }
         instances
     }
@@ -324,9 +324,12 @@ fn place_lights(placed: &mut Arena<LightSource>, lights: &[Lit], instances: &[Pl
         };
         placed.push(LightSource { name: joined(name), kind }, *span);
     }
-    for Placed { name, span: _, group: GroupValue { body, transform } } in instances {
-        if body.lit {
-            place_lights(placed, &body.lights, &body.instances, &transform.then(map), &joined(name));
+    for Placed { name, span: _, group: GroupValue { body, places } } in
+        instances.iter().filter(|placed| placed.group.body.lit)
+    {
+        for (at, place) in places.maps().iter().enumerate() {
+            let path = joined(&places.name_of(name, at));
+            place_lights(placed, &body.lights, &body.instances, &place.then(map), &path);
         }
     }
 }

@@ -1,9 +1,12 @@
 //! Expressions and calls.
 
+use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::diag::{Finding, Span, nearest};
 use crate::files::{Bytes, ReadError, VPath};
+use crate::ir::Affine;
 use crate::syntax::{Call, Expr, ExprKind};
 
 use super::function::Function;
@@ -212,12 +215,12 @@ impl Interpreter<'_> {
             return Err(Reported);
         };
         let args = self.bind(scope, call, row)?;
-        // Functions see nothing of the place where they are called, and are called most.
-        let file =
-            if row.family == Family::Function { None } else { Some(self.sources.get(call.span.file).path.clone()) };
+        // Functions see nothing of the place where they are called, and are called most; `table` reads a file.
+        let blind = row.family == Family::Function && row.name != "table";
+        let file = if blind { None } else { Some(self.sources.get(call.span.file).path.clone()) };
         let folder = file.as_deref().and_then(|file| file.rsplit_once('/')).map_or("", |(folder, _)| folder);
         // Files are read once; a mesh of a file is one mesh however often it is named.
-        let key = mesh_key(row, &args, folder);
+        let key = file_key(row, &args, folder);
         if let Some(value) = key.as_ref().and_then(|key| self.meshes.get(key)) {
             return match value {
                 Value::Poison => Err(Reported),
@@ -481,22 +484,26 @@ impl table::Host for Interpreter<'_> {
         Ok(bytes)
     }
 
+    fn scattered(&mut self) -> &mut BTreeMap<VPath, Arc<[Affine]>> {
+        &mut self.scattered
+    }
+
     fn apply(&mut self, function: &Rc<Function>, values: Vec<Value>, span: Span) -> Result<Value, Reported> {
         self.step(span)?;
         self.invoke(function, &values, span)
     }
 }
 
-/// What makes two calls of `file` the same mesh.
-fn mesh_key(row: &Constructor, args: &Args, folder: &str) -> Option<(VPath, Option<String>)> {
-    if row.family != Family::Mesh || row.name != "file" {
+/// What makes two calls of `file` the same mesh, and of `table` the same list.
+fn file_key(row: &Constructor, args: &Args, folder: &str) -> Option<(&'static str, VPath, Option<String>)> {
+    if !matches!((row.family, row.name), (Family::Mesh, "file") | (Family::Function, "table")) {
         return None;
     }
     let text = |name| match args.get(name) {
         Some(Value::String(text)) => Some(text.to_string()),
         _ => None,
     };
-    Some((VPath::resolve(folder, &text("path")?).ok()?, text("part")))
+    Some((row.name, VPath::resolve(folder, &text("path")?).ok()?, text("part")))
 }
 
 fn numbers_value(numbers: &[f64]) -> Value {

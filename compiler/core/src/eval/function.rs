@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use crate::diag::{Finding, Severity, Span, nearest};
-use crate::ir::Affine;
+use crate::ir::{Affine, Places};
 use crate::syntax::{Call, Clause, Expr, ExprKind, Kind, Name, Param, Statement, StatementKind, Type};
 
 use super::items::GroupBody;
@@ -336,7 +336,7 @@ impl Interpreter<'_> {
         let lit = !lights.is_empty() || instances.iter().any(|placed| placed.group.body.lit);
         let (name, span) = (function.name.clone(), function.span);
         let body = GroupBody { name, span, items, lights, instances, size, depth: group_depth.max(1), lit };
-        Ok(Value::Group(GroupValue { body: Rc::new(body), transform: Affine::IDENTITY }))
+        Ok(Value::Group(GroupValue { body: Rc::new(body), places: Places::One(Affine::IDENTITY) }))
     }
 
     /// The names that the body of a function sees.

@@ -1,9 +1,10 @@
 //! Items and settings: shapes, emitters, instances, cameras, film, integrator, sampler.
 
+use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use crate::diag::{Finding, Span};
-use crate::ir::{GROUP_DEPTH, LightKind};
+use crate::ir::{GROUP_DEPTH, LightKind, Places};
 use crate::syntax::{Expr, Kind, Name};
 
 use super::module::{Module, Scope};
@@ -53,6 +54,45 @@ pub(super) struct GroupBody {
     pub lit: bool,
 }
 
+/// The names of instances, with how many places each has if it is scattered.
+#[derive(Debug, Default)]
+pub(super) struct InstanceNames(BTreeMap<String, (Span, Option<usize>)>);
+
+impl InstanceNames {
+    /// Takes `name`, for as many places as `many` if it is scattered. Where a place is called as one that is known, that
+    /// name and where it was taken.
+    fn add(&mut self, name: &str, many: Option<usize>, span: Span) -> Option<(String, Span)> {
+        if let Some((first, _)) = self.0.get(name) {
+            return Some((name.to_owned(), *first));
+        }
+        // `oak[17]` is one of many places of `oak` too, or a name of its own.
+        if let Some((base, at)) = split_number(name)
+            && let Some((first, Some(count))) = self.0.get(base)
+            && at < *count
+        {
+            return Some((name.to_owned(), *first));
+        }
+        if let Some(count) = many {
+            let open = format!("{name}[");
+            let later = self.0.range(open.clone()..).take_while(|(known, _)| known.starts_with(&open));
+            for (known, (first, _)) in later {
+                if split_number(known).is_some_and(|(base, at)| base == name && at < count) {
+                    return Some((known.clone(), *first));
+                }
+            }
+        }
+        self.0.insert(name.to_owned(), (span, many));
+        None
+    }
+}
+
+/// `oak[17]` as `oak` and 17.
+fn split_number(name: &str) -> Option<(&str, usize)> {
+    let (base, number) = name.strip_suffix(']')?.rsplit_once('[')?;
+    let at: usize = number.parse().ok()?;
+    (at.to_string() == number).then_some((base, at))
+}
+
 impl Interpreter<'_> {
     /// `instance name = group |> moves`
     pub(super) fn instance(
@@ -91,13 +131,15 @@ impl Interpreter<'_> {
         };
         let Some(name) = name else { return };
         let text = module.item_name(name);
-        if let Some(first) = module.instance_names.insert(text.clone(), name.span) {
+        let many = if let Places::Many(maps) = &group.places { Some(maps.len()) } else { None };
+        if let Some((text, first)) = module.instance_names.add(&text, many, name.span) {
             let message = format!("two instances are named `{text}`");
             self.findings
                 .push(Finding::error("duplicate-name", name.span, message).label("again").also(first, "first here"));
             return;
         }
-        if !self.grow(module, group.body.size.saturating_add(1), span) {
+        let made = group.body.size.saturating_add(1).saturating_mul(group.places.maps().len() as u64);
+        if !self.grow(module, made, span) {
             return;
         }
         module.group_depth = module.group_depth.max(group.body.depth + 1);

@@ -20,10 +20,11 @@ mod value;
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
+use std::sync::Arc;
 
 use crate::diag::{Finding, Severity, Sources, Span};
 use crate::files::{Files, VPath};
-use crate::ir::{Documentation, Scene};
+use crate::ir::{Affine, Documentation, Scene};
 
 pub use limits::{Limit, Limits, parse_amount};
 pub use table::{Constructor, Family, Parameter, table};
@@ -146,8 +147,10 @@ struct Interpreter<'f> {
     /// Files whose evaluation has not ended, outermost first.
     loading: Vec<VPath>,
     inputs: BTreeMap<VPath, crate::files::Bytes>,
-    /// Meshes read from files, by path and part.
-    meshes: BTreeMap<(VPath, Option<String>), value::Value>,
+    /// Meshes and tables read from files, by constructor, path and part.
+    meshes: BTreeMap<(&'static str, VPath, Option<String>), value::Value>,
+    /// Places read from files.
+    scattered: BTreeMap<VPath, Arc<[Affine]>>,
     /// Calls and iterations up to now.
     steps: u64,
     /// Triangles that generators and stages made up to now.
@@ -174,6 +177,7 @@ impl<'f> Interpreter<'f> {
             loading: Vec::new(),
             inputs: BTreeMap::new(),
             meshes: BTreeMap::new(),
+            scattered: BTreeMap::new(),
             steps: 0,
             triangles: 0,
             limits,

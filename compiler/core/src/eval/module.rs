@@ -8,7 +8,7 @@ use crate::files::{PathError, ReadError, VPath};
 use crate::ir::{Documentation, Film, Integrator, Sampler};
 use crate::syntax::{self, Expr, ExprKind, Kind, Name, Statement, StatementKind, Tree};
 
-use super::items::{self, Item, Lit, Placed};
+use super::items::{self, InstanceNames, Item, Lit, Placed};
 use super::table::Family;
 use super::value::{CameraValue, MaterialValue, Value};
 use super::{Allow, Interpreter, Reported};
@@ -86,7 +86,7 @@ pub(super) struct Module {
     pub group_depth: usize,
     /// Names of shapes (false) and of emitters (true).
     pub item_names: BTreeMap<(bool, String), Span>,
-    pub instance_names: BTreeMap<String, Span>,
+    pub instance_names: InstanceNames,
     pub cameras: Vec<(Option<String>, Rc<CameraValue>, Span)>,
     pub film: Option<(Rc<Film>, Span)>,
     pub integrator: Option<(Rc<Integrator>, Span)>,

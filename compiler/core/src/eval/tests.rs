@@ -30,8 +30,24 @@ fn evaluated(statements: &str) -> Evaluated {
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
          property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
     );
+    files.insert("forest.npy", npy("(2, 3)", &[1.0, 2.0, 3.0, -4.0, 5.0, 6.5]));
+    files.insert(
+        "turned.npy",
+        npy("(2, 3, 4)", &[0.0, -1.0, 0.0, 7.0, 1.0, 0.0, 0.0, 8.0, 0.0, 0.0, 1.0, 9.0].repeat(2)),
+    );
+    files.insert("heights.npy", npy("(2, 3)", &[1.0, 2.0, 3.0, -4.0, 5.0, 6.5]));
     let path = VPath::resolve("", "a.lts").expect("a path");
     evaluate(&files, &mut Sources::default(), &path, &Overrides::default())
+}
+
+/// A file as `numpy.save` writes it.
+fn npy(shape: &str, numbers: &[f64]) -> Vec<u8> {
+    let header = format!("{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}\n");
+    let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
+    bytes.extend((header.len() as u16).to_le_bytes());
+    bytes.extend(header.as_bytes());
+    bytes.extend(numbers.iter().flat_map(|x| x.to_le_bytes()));
+    bytes
 }
 
 #[test]
@@ -104,4 +120,74 @@ fn a_spot_turns_with_its_group() {
     assert!(near(position, [0.0, 1.0, 5.0]) && near(target, [0.0, 2.0, 5.0]), "{found:?}");
     // Left out, the inner cone is the whole: a sharp edge.
     assert_eq!((*angle, *inner), (20.0, 20.0));
+}
+
+const LAMP: &str = "group lamp {\n    shape foot = box(size: 1) with diffuse(0.5)\n    \
+     emitter top = rectangle(x: -1..1, y: -1..1, z: 2, normal: Z) with radiance(1)\n    \
+     emitter bulb = point(position: (1, 0, 2), intensity: 7)\n}\n";
+
+#[test]
+fn a_group_is_scattered_by_the_rows_of_an_array() {
+    let Evaluated { scene, findings, .. } = evaluated(&format!(
+        "{LAMP}group row {{\n    instance lamp = lamp |> scatter(\"forest.npy\")\n}}\n\
+         instance far = lamp |> scale(2) |> scatter(\"turned.npy\") |> translate(0, 0, 100)\n\
+         instance row = row |> translate(10, 0, 0)\n"
+    ));
+    let scene = scene.unwrap_or_else(|| panic!("{findings:#?}"));
+    let names: Vec<&str> = scene.instances.values().map(|instance| instance.name.as_str()).collect();
+    assert_eq!(names, ["far", "row"]);
+    let far = scene.instances.values().next().expect("an instance");
+    let rows = [[0.0, -2.0, 0.0, 7.0], [2.0, 0.0, 0.0, 8.0], [0.0, 0.0, 2.0, 109.0]];
+    assert_eq!(far.places.maps(), [Affine { rows }; 2], "scaled, then placed by a row, then all of them moved");
+    let lights: Vec<(&str, crate::ir::Vec3)> = scene
+        .lights
+        .values()
+        .map(|light| match light.kind {
+            LightKind::Point { position, .. } => (light.name.as_str(), position),
+            ref other => panic!("{other:?}"),
+        })
+        .collect();
+    let expected = [
+        ("far[0]/bulb", [7.0, 10.0, 113.0]),
+        ("far[1]/bulb", [7.0, 10.0, 113.0]),
+        ("row/lamp[0]/bulb", [12.0, 2.0, 5.0]),
+        ("row/lamp[1]/bulb", [7.0, 5.0, 8.5]),
+    ];
+    assert_eq!(lights, expected);
+    // Emitters leave the groups, each at its own place.
+    let (valid, _) = crate::pipeline::prepare(scene).expect("a valid scene");
+    let emitters: Vec<&str> =
+        valid.shapes.values().filter(|shape| shape.emission.is_some()).map(|shape| shape.name.as_str()).collect();
+    assert_eq!(emitters, ["far[0]/top", "far[1]/top", "row/lamp[0]/top", "row/lamp[1]/top"]);
+    let places: usize = valid.instances.values().map(|instance| instance.places.maps().len()).sum();
+    assert_eq!((valid.groups.len(), valid.instances.len(), places), (1, 2, 4));
+}
+
+#[test]
+fn tables_are_lists_of_lists() {
+    let found = lights(
+        "for row in table(\"heights.npy\") {\n    \
+         emitter a = point(position: (row[0], row[1], row[2]), intensity: len(row))\n}\n",
+    );
+    let positions: Vec<_> = found
+        .iter()
+        .map(|light| match &light.kind {
+            LightKind::Point { position, intensity } => (*position, *intensity),
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    assert_eq!(positions, [([1.0, 2.0, 3.0], Color::Grey(3.0)), ([-4.0, 5.0, 6.5], Color::Grey(3.0))]);
+}
+
+#[test]
+fn names_of_scattered_places_are_taken() {
+    let id = |statements: &str| {
+        let Evaluated { findings, .. } = evaluated(&format!("{LAMP}{statements}"));
+        findings.iter().map(|finding| format!("{}: {}", finding.id, finding.message)).collect::<Vec<_>>()
+    };
+    let taken = ["duplicate-name: two instances are named `a[1]`"];
+    assert_eq!(id("instance a = lamp |> scatter(\"forest.npy\")\nfor i in 1..2 {\n    instance a = lamp\n}\n"), taken);
+    assert_eq!(id("for i in 1..2 {\n    instance a = lamp\n}\ninstance a = lamp |> scatter(\"forest.npy\")\n"), taken);
+    let free = "for i in 2..3 {\n    instance a = lamp\n}\ninstance a = lamp |> scatter(\"forest.npy\")\n";
+    assert_eq!(id(free), Vec::<String>::new());
 }

@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use crate::diag::Span;
-use crate::ir::{Affine, Bsdf, Color, Film, Filter, Integrator, LightKind, Mesh, Sampler, Vec3};
+use crate::ir::{Affine, Bsdf, Color, Film, Filter, Integrator, LightKind, Mesh, Places, Sampler, Vec3};
 
 /// A value. No number in it is ever NaN or infinite.
 #[derive(Clone, Debug)]
@@ -61,11 +61,11 @@ pub(super) struct MeshValue {
     pub span: Span,
 }
 
-/// A group and where it has been moved.
+/// A group and where it has been moved, or scattered.
 #[derive(Clone, Debug)]
 pub(super) struct GroupValue {
     pub body: Rc<super::items::GroupBody>,
-    pub transform: Affine,
+    pub places: Places,
 }
 
 /// A camera before the film is known.

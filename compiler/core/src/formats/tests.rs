@@ -7,7 +7,8 @@ use crate::capability::algorithm;
 use crate::diag::Origin;
 use crate::files::MemorySink;
 use crate::ir::{
-    Affine, Bsdf, Color, Emission as Light, Film, Filter, Integrator, LightKind, LightSource, Sampler, Scene,
+    Affine, Arena, Bsdf, Color, Emission as Light, Film, Filter, Instance, Integrator, LightKind, LightSource, Places,
+    Sampler, Scene,
 };
 use crate::valid::validate;
 use shared::sample;
@@ -92,6 +93,20 @@ fn meshes_are_written_once_under_safe_names() {
     write_meshes(&valid, "meshes/", &mut sink).expect("memory takes all");
     assert_eq!(sink.files.len(), count);
     assert!(sink.files.keys().all(|path| path.starts_with("meshes/") && path.ends_with(".ply")));
+}
+
+#[test]
+fn many_places_are_written_as_as_many_instances() {
+    let mut scattered = sample::grid();
+    let maps: Vec<Affine> = scattered.instances.values().flat_map(|one| one.places.maps().to_vec()).collect();
+    let group = scattered.instances.values().next().expect("an instance").group;
+    scattered.instances = Arena::default();
+    let pair = Instance { name: "pair".to_owned(), group, places: Places::Many(maps.into()) };
+    scattered.instances.push(pair, Origin::Made);
+    for target in TARGETS {
+        // The places of `pair` are called as the instances of a loop are: `pair[0]`.
+        assert_eq!(emitted(target.name, scattered.clone()), emitted(target.name, sample::grid()), "{}", target.name);
+    }
 }
 
 #[test]

@@ -39,7 +39,7 @@ pub use arena::{Arena, Handle};
 pub use camera::{Axes, Camera};
 pub use color::Color;
 pub use doc::{Documentation, Similar};
-pub use group::{GROUP_DEPTH, Group, INSTANCE_LIMIT, Instance};
+pub use group::{GROUP_DEPTH, Group, INSTANCE_LIMIT, Instance, Places};
 pub use light::{LightKind, LightSource};
 pub use light_paths::{LightExtent, LightPathError, LightPaths};
 pub use material::{Bsdf, Material};
@@ -68,7 +68,7 @@ pub struct Scene {
     pub lights: Arena<LightSource>,
     /// Shapes to be placed by instances; a group stands behind those that it holds.
     pub groups: Arena<Group>,
-    /// Groups at their places.
+    /// Groups at their places, each at one or at many.
     pub instances: Arena<Instance>,
     /// At least one after validation; the first is the default.
     pub cameras: Arena<Camera>,

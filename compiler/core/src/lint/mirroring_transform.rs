@@ -2,6 +2,7 @@
 #![doc = include_str!("mirroring_transform.md")]
 
 use super::{Level, Report, Rule, Subject};
+use crate::ir::Affine;
 
 pub(super) const RULE: Rule = Rule {
     id: "mirroring-transform",
@@ -25,10 +26,15 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
         );
     }
     let inner = scene.groups.values().flat_map(|group| group.instances.entries());
-    for (origin, instance) in scene.instances.entries().chain(inner).filter(|(_, i)| i.transform.determinant() < 0.0) {
+    for (origin, instance) in scene.instances.entries().chain(inner) {
+        let mirrored = |map: &Affine| map.determinant() < 0.0;
+        let Some(first) = instance.places.maps().iter().position(mirrored) else { continue };
         report.add(
             origin,
-            format!("the transform of the instance `{}` mirrors its group", instance.name),
+            format!(
+                "the transform of the instance `{}` mirrors its group",
+                instance.places.name_of(&instance.name, first)
+            ),
             "mirrored",
             "renderers disagree on the front of a mirrored instance, so a mirrored copy of the whole group is written",
             "turn the group instead (`rotate`), or write `allow mirroring-transform` with the reason before it"

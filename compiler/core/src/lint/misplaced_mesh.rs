@@ -37,11 +37,11 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
     let inner = || scene.groups.values().flat_map(|group| group.instances.entries());
     for (_, instance) in scene.instances.entries().chain(inner()) {
         if let Some(placed) = placed.get_mut(instance.group.index()) {
-            *placed += 1;
+            *placed += instance.places.maps().len();
         }
     }
     let once = scene.instances.entries().chain(inner()).filter(|(_, i)| placed.get(i.group.index()) == Some(&1));
-    for (origin, instance) in once.filter(|(_, instance)| instance.transform != Affine::IDENTITY) {
+    for (origin, instance) in once.filter(|(_, instance)| instance.places.maps() != [Affine::IDENTITY]) {
         report.add(
             origin,
             format!("the group of the instance `{}` is placed once and does not lie in its place", instance.name),

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 
 use super::Pass;
 use crate::diag::{Finding, Origin, Severity};
-use crate::ir::{Affine, Arena, GROUP_DEPTH, Group, Handle, INSTANCE_LIMIT, Instance, Scene, Shape};
+use crate::ir::{Affine, Arena, GROUP_DEPTH, Group, Handle, INSTANCE_LIMIT, Instance, Places, Scene, Shape};
 
 pub(super) const PASS: Pass = Pass {
     name: "instances",
@@ -81,7 +81,9 @@ fn uses(scene: &Scene) -> Option<Uses> {
     let mut uses = vec![[0_u64; 2]; scene.groups.len()];
     let mut depths = vec![1_usize; scene.groups.len()];
     for instance in scene.instances.values() {
-        uses[instance.group.index()][usize::from(mirrors(&instance.transform))] += 1;
+        for map in instance.places.maps() {
+            uses[instance.group.index()][usize::from(mirrors(map))] += 1;
+        }
     }
     // A group stands behind those that it holds, so that backwards every group is counted before what it holds.
     let groups: Vec<(Handle<Group>, &Group)> = scene.groups.iter().collect();
@@ -89,14 +91,17 @@ fn uses(scene: &Scene) -> Option<Uses> {
         let ([plain, mirrored], depth) = (uses[handle.index()], depths[handle.index()]);
         for instance in group.instances.values() {
             let inner = instance.group.index();
-            let added = if mirrors(&instance.transform) { [mirrored, plain] } else { [plain, mirrored] };
-            uses[inner] = [0, 1].map(|side| uses[inner][side].saturating_add(added[side]));
+            for map in instance.places.maps() {
+                let added = if mirrors(map) { [mirrored, plain] } else { [plain, mirrored] };
+                uses[inner] = [0, 1].map(|side| uses[inner][side].saturating_add(added[side]));
+            }
             depths[inner] = depths[inner].max(depth + 1);
         }
     }
     let items = scene.groups.iter().map(|(handle, group)| {
         let [plain, mirrored] = uses[handle.index()];
-        let own = group.shapes.len() as u64 + group.instances.len() as u64;
+        let inner: usize = group.instances.values().map(|instance| instance.places.maps().len()).sum();
+        let own = group.shapes.len() as u64 + inner as u64;
         plain.saturating_add(mirrored).saturating_mul(own)
     });
     let total = items.fold(0_u64, u64::saturating_add);
@@ -139,37 +144,74 @@ impl<'a> Placing<'a> {
 
     /// Places `instance`, which lies in something that is called `path` and placed by `outer`.
     fn place(&mut self, instance: &Instance, origin: &Origin, outer: &Affine, path: &str) {
-        let Instance { name, group: handle, transform } = instance;
+        let Instance { name, group: handle, places } = instance;
         let Group { name: _, shapes, instances } = &self.old[*handle];
-        let transform = transform.then(outer);
-        let name = joined(path, name);
-        let mirrors = mirrors(&transform);
-        let once = self.uses[handle.index()][usize::from(mirrors)] == 1;
-        for (place, shape) in shapes.entries() {
-            if once || shape.emission.is_some() {
-                self.emitters += usize::from(!once);
-                self.shapes.push(
-                    Shape {
-                        name: joined(&name, &shape.name),
-                        transform: shape.transform.then(&transform),
-                        mesh: shape.mesh,
-                        material: shape.material,
-                        emission: shape.emission.clone(),
-                    },
-                    place.clone(),
-                );
+        let own = joined(path, name);
+        let together = self.together(*handle, places, outer);
+        if let Some(mirrors) = together
+            && shapes.values().any(|shape| shape.emission.is_none())
+        {
+            let places = if mirrors { moved_first(places, outer) } else { places.then(outer) };
+            self.push(*handle, own.clone(), places, mirrors, origin, !path.is_empty());
+        }
+        let alone = together.is_none();
+        if !alone && instances.is_empty() && shapes.values().all(|shape| shape.emission.is_none()) {
+            return;
+        }
+        for (at, map) in places.maps().iter().enumerate() {
+            let transform = map.then(outer);
+            let name = joined(path, &instance.name_of(at));
+            let mirrors = mirrors(&transform);
+            let once = self.uses[handle.index()][usize::from(mirrors)] == 1;
+            for (place, shape) in shapes.entries() {
+                if once || shape.emission.is_some() {
+                    self.emitters += usize::from(!once);
+                    self.shapes.push(
+                        Shape {
+                            name: joined(&name, &shape.name),
+                            transform: shape.transform.then(&transform),
+                            mesh: shape.mesh,
+                            material: shape.material,
+                            emission: shape.emission.clone(),
+                        },
+                        place.clone(),
+                    );
+                }
+            }
+            if alone && !once && shapes.values().any(|shape| shape.emission.is_none()) {
+                let places = Places::One(if mirrors { MIRROR.then(&transform) } else { transform });
+                self.push(*handle, name.clone(), places, mirrors, origin, !path.is_empty());
+            }
+            for (place, inner) in instances.entries() {
+                self.place(inner, place, &transform, &name);
             }
         }
-        if !once && shapes.values().any(|shape| shape.emission.is_none()) {
-            let group = self.group(*handle, mirrors);
-            let transform = if mirrors { MIRROR.then(&transform) } else { transform };
-            self.nested += usize::from(!path.is_empty());
-            self.mirrored += usize::from(mirrors);
-            self.instances.push(Instance { name: name.clone(), group, transform }, origin.clone());
-        }
-        for (place, inner) in instances.entries() {
-            self.place(inner, place, &transform, &name);
-        }
+    }
+
+    /// Whether many places can stay one instance: all of them mirror (true), or none (false), and the group is no shape of
+    /// the scene. Else each place keeps its name as an instance of its own.
+    fn together(&self, group: Handle<Group>, places: &Places, outer: &Affine) -> Option<bool> {
+        let Places::Many(maps) = places else { return None };
+        let mut sides = maps.iter().map(|map| mirrors(&map.then(outer)));
+        let first = sides.next()?;
+        let same = sides.all(|side| side == first);
+        (same && self.uses[group.index()][usize::from(first)] > 1).then_some(first)
+    }
+
+    fn push(
+        &mut self,
+        group: Handle<Group>,
+        name: String,
+        places: Places,
+        mirrors: bool,
+        origin: &Origin,
+        nested: bool,
+    ) {
+        let count = places.maps().len();
+        let group = self.group(group, mirrors);
+        self.nested += if nested { count } else { 0 };
+        self.mirrored += if mirrors { count } else { 0 };
+        self.instances.push(Instance { name, group, places }, origin.clone());
     }
 
     /// The new group with the shapes of the old one that do not emit.
@@ -194,7 +236,12 @@ impl<'a> Placing<'a> {
 /// Mirrors along x; its own inverse.
 const MIRROR: Affine = Affine { rows: [[-1.0, 0.0, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
 
-/// `grid/cell[0,1,2]`; what is scattered has only its number: `oak[17]`.
+/// The places of a mirrored copy.
+fn moved_first(places: &Places, outer: &Affine) -> Places {
+    Places::Many(places.maps().iter().map(|map| MIRROR.then(&map.then(outer))).collect())
+}
+
+/// `grid/cell[0,1,2]`
 fn joined(path: &str, name: &str) -> String {
-    if path.is_empty() || name.starts_with('[') { format!("{path}{name}") } else { format!("{path}/{name}") }
+    if path.is_empty() { name.to_owned() } else { format!("{path}/{name}") }
 }

@@ -202,13 +202,17 @@ fn multiplied(scene: &Scene) -> Seen {
             let name = format!("{path}/{}", shape.name);
             all.push(Shape { name, transform: shape.transform.then(outer), ..shape.clone() });
         }
-        for Instance { name, group, transform } in group.instances.values() {
-            add(scene, &scene.groups[*group], &format!("{path}/{name}"), &transform.then(outer), all);
+        for instance in group.instances.values() {
+            for (name, map) in instance.named() {
+                add(scene, &scene.groups[instance.group], &format!("{path}/{name}"), &map.then(outer), all);
+            }
         }
     }
     let mut all: Vec<Shape> = scene.shapes.values().cloned().collect();
-    for Instance { name, group, transform } in scene.instances.values() {
-        add(scene, &scene.groups[*group], name, transform, &mut all);
+    for instance in scene.instances.values() {
+        for (name, map) in instance.named() {
+            add(scene, &scene.groups[instance.group], &name, map, &mut all);
+        }
     }
     let mut flat = Scene { shapes: Arena::default(), groups: Arena::default(), ..scene.clone() };
     for shape in &all {
@@ -226,13 +230,21 @@ fn transform([sx, sy, sz, ax, ay, degrees, tx, ty, tz]: [i8; 9]) -> Affine {
         .then(&Affine::translation([tx, ty, tz].map(f64::from)))
 }
 
-fn group(scene: &mut Scene, name: &str, shapes: Vec<Shape>, inner: &[(Handle<Group>, Affine)]) -> Handle<Group> {
+/// A single place, or many.
+fn places(maps: &[[i8; 9]]) -> Places {
+    match maps {
+        [only] => Places::One(transform(*only)),
+        maps => Places::Many(maps.iter().map(|map| transform(*map)).collect()),
+    }
+}
+
+fn group(scene: &mut Scene, name: &str, shapes: Vec<Shape>, inner: &[(Handle<Group>, Places)]) -> Handle<Group> {
     let mut group = Group { name: name.to_owned(), ..Group::default() };
     for shape in shapes {
         group.shapes.push(shape, Origin::Made);
     }
-    for (at, (handle, transform)) in inner.iter().enumerate() {
-        let instance = Instance { name: format!("inner {at}"), group: *handle, transform: *transform };
+    for (at, (handle, places)) in inner.iter().enumerate() {
+        let instance = Instance { name: format!("inner {at}"), group: *handle, places: places.clone() };
         group.instances.push(instance, Origin::Made);
     }
     scene.groups.push(group, Origin::Made)
@@ -250,7 +262,7 @@ fn lanterns(transforms: &[Affine]) -> Scene {
     };
     let lantern = group(&mut scene, "lantern", vec![shape("glass", None), shape("lamp", emission)], &[]);
     for (at, transform) in transforms.iter().enumerate() {
-        let instance = Instance { name: format!("lantern[{at}]"), group: lantern, transform: *transform };
+        let instance = Instance { name: format!("lantern[{at}]"), group: lantern, places: Places::One(*transform) };
         scene.instances.push(instance, Origin::Made);
     }
     scene
@@ -274,9 +286,33 @@ fn emitters_leave_groups_and_mirrors_get_their_own() {
     assert_eq!(names, ["lantern", "lantern mirrored"]);
     assert_eq!((after.instances.len(), after.shapes.len()), (4, 4));
     assert!(after.shapes.values().all(|shape| shape.emission.is_some()));
-    assert!(after.instances.values().all(|instance| instance.transform.determinant() > 0.0));
+    assert!(after.instances.values().all(|instance| instance.places.maps().iter().all(|map| map.determinant() > 0.0)));
     let told: Vec<&str> = findings.iter().map(|finding| finding.message.as_str()).collect();
     assert!(told[0].starts_with("4 emitters") && told[1].starts_with("2 mirroring"), "{told:?}");
+}
+
+#[test]
+fn many_places_stay_one_instance() {
+    let mut before = lanterns(&[]);
+    let lantern = before.groups.iter().next().expect("a group").0;
+    let maps: Vec<Affine> = (0..5).map(|at| turned().then(&Affine::translation([f64::from(at), 0.0, 0.0]))).collect();
+    let places = Places::Many(maps.into());
+    let instance = Instance { name: "lantern".to_owned(), group: lantern, places: places.clone() };
+    before.instances.push(instance, Origin::Made);
+    let (after, _) = lower(before.clone());
+    let kept: Vec<_> = after.instances.values().collect();
+    assert_eq!((kept.len(), kept[0].name.as_str(), &kept[0].places), (1, "lantern", &places));
+    let lamps: Vec<_> = after.shapes.values().map(|shape| shape.name.as_str()).collect();
+    assert_eq!(lamps[..2], ["lantern[0]/lamp", "lantern[1]/lamp"]);
+    assert_eq!(lamps.len(), 5);
+    // One that mirrors among others that do not: each keeps its number.
+    let mut mixed = before;
+    let one = Affine::scaling([-1.0, 1.0, 1.0]);
+    let many = Places::Many([Affine::IDENTITY, one, turned()].into());
+    mixed.instances.push(Instance { name: "mixed".to_owned(), group: lantern, places: many }, Origin::Made);
+    let (after, _) = lower(mixed);
+    let names: Vec<_> = after.instances.values().map(|instance| instance.name.as_str()).collect();
+    assert_eq!(names, ["lantern", "mixed[0]", "mixed[2]"], "the mirrored one is seen once and becomes shapes");
 }
 
 #[test]
@@ -284,15 +320,17 @@ fn too_many_instances_and_broken_groups_pass_through() {
     let mut scene = lanterns(&[turned(), turned()]);
     for _ in 0..10 {
         let last = scene.groups.iter().last().expect("a group").0;
-        group(&mut scene, "ten", Vec::new(), &[(last, Affine::IDENTITY); 10]);
+        group(&mut scene, "ten", Vec::new(), &[(last, Places::Many([Affine::IDENTITY; 10].into()))]);
     }
     let last = scene.groups.iter().last().expect("a group").0;
-    scene.instances.push(Instance { name: "all".to_owned(), group: last, transform: Affine::IDENTITY }, Origin::Made);
+    scene
+        .instances
+        .push(Instance { name: "all".to_owned(), group: last, places: Places::One(Affine::IDENTITY) }, Origin::Made);
     assert_eq!(lower(scene.clone()), (scene.clone(), vec![]));
     // A group that holds itself.
     let mut circle = lanterns(&[turned(), turned()]);
     let first = circle.groups.iter().next().expect("a group").0;
-    let inner = Instance { name: "again".to_owned(), group: first, transform: Affine::IDENTITY };
+    let inner = Instance { name: "again".to_owned(), group: first, places: Places::One(Affine::IDENTITY) };
     circle.groups[first].instances.push(inner, Origin::Made);
     assert_eq!(lower(circle.clone()), (circle, vec![]));
 }
@@ -301,8 +339,8 @@ proptest! {
     #[test]
     fn any_groups_look_the_same(
         shapes in prop::collection::vec((0_usize..4, any::<[i8; 9]>(), any::<bool>()), 4..8),
-        inner in prop::collection::vec((0_usize..4, 0_usize..4, any::<[i8; 9]>()), 0..5),
-        outer in prop::collection::vec((0_usize..4, any::<[i8; 9]>()), 1..5),
+        inner in prop::collection::vec((0_usize..4, 0_usize..4, prop::collection::vec(any::<[i8; 9]>(), 1..4)), 0..4),
+        outer in prop::collection::vec((0_usize..4, prop::collection::vec(any::<[i8; 9]>(), 1..4)), 1..4),
     ) {
         let mut before = scene();
         let mesh = before.meshes.push(cube().into_mesh("cube"), Origin::Made);
@@ -315,12 +353,12 @@ proptest! {
             }
             let handles: Vec<_> = before.groups.iter().map(|(handle, _)| handle).collect();
             let held = inner.iter().filter(|(holder, held, _)| *holder == at && *held < at);
-            let held: Vec<_> = held.map(|(_, held, map)| (handles[*held], transform(*map))).collect();
+            let held: Vec<_> = held.map(|(_, held, maps)| (handles[*held], places(maps))).collect();
             group(&mut before, "g", own, &held);
         }
         let handles: Vec<_> = before.groups.iter().map(|(handle, _)| handle).collect();
-        for (n, (at, map)) in outer.iter().enumerate() {
-            let instance = Instance { name: format!("i{n}"), group: handles[*at], transform: transform(*map) };
+        for (n, (at, maps)) in outer.iter().enumerate() {
+            let instance = Instance { name: format!("i{n}"), group: handles[*at], places: places(maps) };
             before.instances.push(instance, Origin::Made);
         }
         let (after, _) = lower(before.clone());
@@ -336,7 +374,7 @@ proptest! {
         for group in after.groups.values() {
             prop_assert!(group.instances.is_empty() && group.shapes.values().all(|shape| shape.emission.is_none()));
         }
-        prop_assert!(after.instances.values().all(|instance| instance.transform.determinant() > 0.0));
+        prop_assert!(after.instances.values().all(|instance| instance.places.maps().iter().all(|map| map.determinant() > 0.0)));
         prop_assert_eq!(lower(after.clone()).0, after);
     }
 

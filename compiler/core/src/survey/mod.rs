@@ -27,8 +27,8 @@ pub struct Placed<'s> {
     pub shape: &'s Shape,
     /// Where the shape is written.
     pub origin: &'s Origin,
-    /// The outermost instance that places it, if one does.
-    pub instance: Option<(&'s Instance, &'s Origin)>,
+    /// The outermost instance that places it, if one does, where that is written, and which of its places this is.
+    pub instance: Option<(&'s Instance, &'s Origin, usize)>,
     /// From the coordinates of its mesh to those of the scene.
     pub transform: Affine,
     /// A box around it in the scene.
@@ -39,7 +39,7 @@ impl Placed<'_> {
     /// The name, with that of the instance: `cell[0,1,2]/back`.
     pub fn name(&self) -> String {
         match self.instance {
-            Some((instance, _)) => format!("{}/{}", instance.name, self.shape.name),
+            Some((instance, _, at)) => format!("{}/{}", instance.name_of(at), self.shape.name),
             None => self.shape.name.clone(),
         }
     }
@@ -87,7 +87,12 @@ impl<'s> Survey<'s> {
         })
     }
 
-    fn shapes(&mut self, shapes: &'s Arena<Shape>, outer: &Affine, instance: Option<(&'s Instance, &'s Origin)>) {
+    fn shapes(
+        &mut self,
+        shapes: &'s Arena<Shape>,
+        outer: &Affine,
+        instance: Option<(&'s Instance, &'s Origin, usize)>,
+    ) {
         for (origin, shape) in shapes.entries() {
             if self.placed.len() == PLACED_LIMIT {
                 self.cut = true;
@@ -103,18 +108,23 @@ impl<'s> Survey<'s> {
         &mut self,
         instances: &'s Arena<Instance>,
         outer: &Affine,
-        outermost: Option<(&'s Instance, &'s Origin)>,
+        outermost: Option<(&'s Instance, &'s Origin, usize)>,
         depth: usize,
     ) {
         for (origin, instance) in instances.entries() {
-            if depth == DEPTH || instance.group.index() >= self.scene.groups.len() || self.cut {
+            if depth == DEPTH || instance.group.index() >= self.scene.groups.len() {
                 return;
             }
             let group = &self.scene.groups[instance.group];
-            let transform = instance.transform.then(outer);
-            let outermost = outermost.or(Some((instance, origin)));
-            self.shapes(&group.shapes, &transform, outermost);
-            self.instances(&group.instances, &transform, outermost, depth + 1);
+            for (at, place) in instance.places.maps().iter().enumerate() {
+                if self.cut {
+                    return;
+                }
+                let transform = place.then(outer);
+                let outermost = outermost.or(Some((instance, origin, at)));
+                self.shapes(&group.shapes, &transform, outermost);
+                self.instances(&group.instances, &transform, outermost, depth + 1);
+            }
         }
     }
 }

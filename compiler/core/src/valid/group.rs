@@ -27,13 +27,20 @@ pub(super) fn check(scene: &Scene, bounds: &[Option<Bounds>], findings: &mut Vec
         extents.push(extent(shapes.values(), bounds));
     }
     for (origin, instance) in scene.instances.entries() {
-        let Instance { name, group, transform } = instance;
+        let Instance { name: _, group, places: _ } = instance;
         let Some(extent) = extents.get(group.index()) else {
-            let message = format!("instance `{}`: its group is not in the scene", name.escape_debug());
+            let message = format!("instance `{}`: its group is not in the scene", instance.name.escape_debug());
             findings.push(Finding::error("invalid-group", origin.clone(), message));
             continue;
         };
-        transformed("instance", name, origin, transform, *extent, findings);
+        // One of many places says enough: what is wrong with a thousand is the same.
+        let before = findings.len();
+        for (name, transform) in instance.named() {
+            transformed("instance", &name, origin, transform, *extent, findings);
+            if findings.len() > before {
+                break;
+            }
+        }
     }
 }
 

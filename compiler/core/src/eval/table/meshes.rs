@@ -3,7 +3,7 @@
 use std::rc::Rc;
 
 use crate::diag::Severity;
-use crate::files::VPath;
+use crate::files::{Bytes, VPath};
 use crate::ir::Affine;
 use crate::mesh::{self, Extent, Geometry, MeshError, SignedAxis};
 
@@ -193,26 +193,36 @@ pub(super) fn points<const N: usize>(args: &Args, name: &str) -> Option<Vec<[f64
     Some(items.filter_map(one).collect())
 }
 
-fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
-    let text = |name| match args.get(name) {
-        Some(Value::String(text)) => Some(Rc::clone(text)),
-        _ => None,
-    };
-    let written = text("path").unwrap_or_else(|| Rc::from(""));
-    let part = text("part");
-    let path = VPath::resolve(site.folder, &written).map_err(|error| {
+/// The file that the argument `path` names.
+pub(super) fn read(args: &Args, site: &mut Site<'_>) -> Result<(VPath, Bytes), Problem> {
+    let path = resolved(args, site)?;
+    let bytes = site.host.read(&path).map_err(|error| {
+        Problem::new("path", format!("`{path}` cannot be read: {error}"))
+            .id("unreadable-file")
+            .maybe_help(beside_help(&path, &error))
+    })?;
+    Ok((path, bytes))
+}
+
+/// The path that the argument `path` says, seen from the file in which it is written.
+pub(super) fn resolved(args: &Args, site: &Site<'_>) -> Result<VPath, Problem> {
+    let written = if let Some(Value::String(written)) = args.get("path") { written } else { "" };
+    VPath::resolve(site.folder, written).map_err(|error| {
         let finding = super::super::module::path_problem(site.span, &error);
         let found = Problem::new("path", finding.message).id("bad-path").maybe_help(finding.help);
         match finding.notes.into_iter().next() {
             Some(note) => found.note(note),
             None => found,
         }
-    })?;
-    let bytes = site.host.read(&path).map_err(|error| {
-        Problem::new("path", format!("`{path}` cannot be read: {error}"))
-            .id("unreadable-file")
-            .maybe_help(beside_help(&path, &error))
-    })?;
+    })
+}
+
+fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
+    let part = match args.get("part") {
+        Some(Value::String(part)) => Some(Rc::clone(part)),
+        _ => None,
+    };
+    let (path, bytes) = read(args, site)?;
     let (geometry, notes) = mesh::file::read(&path.extension(), &bytes, part.as_deref()).map_err(|error| {
         let place = if error.place.is_empty() { path.to_string() } else { format!("{path}, {}", error.place) };
         Problem::new("path", error.message).id("invalid-mesh-file").label(place).maybe_help(error.help)

@@ -1,6 +1,7 @@
 //! The one table of constructors and functions: names, parameters, types, defaults and documentation. It drives
 //! checking, suggestions, `ltsc explain` and the reference manual.
 
+mod arrays;
 mod functions;
 mod generators;
 mod lights;
@@ -11,11 +12,11 @@ mod stages;
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use crate::diag::Span;
 use crate::files::{Bytes, ReadError, VPath};
-use crate::ir::{Color, Vec3};
+use crate::ir::{Affine, Color, Vec3};
 
 use super::function::Function;
 use super::value::{Ty, Value};
@@ -237,6 +238,9 @@ pub(super) trait Host {
     /// Reads a file of the project.
     fn read(&mut self, path: &VPath) -> Result<Bytes, ReadError>;
 
+    /// Maps that have been read from a file and are to be kept for the next call that names it.
+    fn scattered(&mut self) -> &mut BTreeMap<VPath, Arc<[Affine]>>;
+
     /// Calls a user's function with as many values as it has parameters, each of its parameter's type; errors are
     /// reported with the call at `span`.
     fn apply(&mut self, function: &Rc<Function>, values: Vec<Value>, span: Span) -> Result<Value, Reported>;
@@ -288,8 +292,16 @@ impl Site<'_> {
 
 /// All rows, family by family.
 pub fn table() -> impl Iterator<Item = &'static Constructor> {
-    let parts: [&'static [Constructor]; 7] =
-        [materials::ROWS, lights::ROWS, meshes::ROWS, generators::ROWS, stages::ROWS, settings::ROWS, functions::ROWS];
+    let parts: [&'static [Constructor]; 8] = [
+        materials::ROWS,
+        lights::ROWS,
+        meshes::ROWS,
+        generators::ROWS,
+        stages::ROWS,
+        settings::ROWS,
+        functions::ROWS,
+        arrays::ROWS,
+    ];
     parts.into_iter().flatten()
 }
 

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use crate::ir::{Affine, cross, normalized};
+use crate::ir::{Affine, Places, cross, normalized};
 use crate::mesh::{self, Geometry};
 
 use super::super::value::{GroupValue, MeshValue, Ty, Value};
@@ -166,8 +166,12 @@ fn moved(args: &Args, map: &Affine) -> Result<Value, Problem> {
         Err(Problem::new(None, "it leaves the range of numbers"))
     };
     match args.get("of") {
-        Some(Value::Group(GroupValue { body, transform })) => {
-            Ok(Value::Group(GroupValue { body: Rc::clone(body), transform: further(transform)? }))
+        Some(Value::Group(GroupValue { body, places })) => {
+            let places = match places {
+                Places::One(map) => Places::One(further(map)?),
+                Places::Many(maps) => Places::Many(maps.iter().map(further).collect::<Result<_, _>>()?),
+            };
+            Ok(Value::Group(GroupValue { body: Rc::clone(body), places }))
         }
         _ => {
             let MeshValue { mesh, transform, span } = of(args)?;

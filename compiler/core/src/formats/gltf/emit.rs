@@ -43,7 +43,10 @@ fn document(scene: &Scene, camera: &Camera, stem: &str) -> (doc::Document, Layou
         nodes.push(made.node(scene, shape));
     }
     for instance in scene.instances.values() {
-        nodes.push(made.instance(scene, instance));
+        let Instance { name: _, group, places: _ } = instance;
+        for (name, place) in instance.named() {
+            nodes.push(made.instance(scene, &name, *group, place));
+        }
     }
     let mut lights = Vec::new();
     for source in scene.lights.values() {
@@ -127,19 +130,18 @@ impl Made {
 
     /// A group is a mesh with a primitive for each shape: a node of its own for each would have to be repeated in every
     /// instance, because a node has one parent.
-    fn instance(&mut self, scene: &Scene, instance: &Instance) -> doc::Node {
-        let Instance { name, group, transform } = instance;
-        let mut node = doc::Node { name: name.clone(), ..doc::Node::default() };
+    fn instance(&mut self, scene: &Scene, name: &str, group: Handle<Group>, transform: &Affine) -> doc::Node {
+        let mut node = doc::Node { name: name.to_owned(), ..doc::Node::default() };
         if camera::has_orthogonal_columns(transform) {
             let known = self.known_groups.get(&group.index()).copied();
             node.mesh = Some(known.unwrap_or_else(|| {
-                let made = self.group(scene, *group, &Affine::IDENTITY);
+                let made = self.group(scene, group, &Affine::IDENTITY);
                 self.known_groups.insert(group.index(), made);
                 made
             }));
             place(&mut node, transform);
         } else {
-            node.mesh = Some(self.group(scene, *group, transform));
+            node.mesh = Some(self.group(scene, group, transform));
         }
         node
     }

@@ -151,12 +151,14 @@ fn description(scene: &Scene, meshes: &str, out: &mut dyn Write) -> io::Result<(
     }
     // LuxCore has no groups: each use of a shape is an object, and the meshes are shared.
     let own = scene.shapes.values().map(|shape| (shape.name.clone(), shape, shape.transform));
-    let placed_by = |instance: &Instance| {
-        let Instance { name, group, transform } = instance.clone();
-        let shapes = scene.groups[group].shapes.values();
-        shapes.map(move |shape| (format!("{name}/{}", shape.name), shape, shape.transform.then(&transform)))
-    };
-    let uses: Vec<(String, &Shape, Affine)> = own.chain(scene.instances.values().flat_map(placed_by)).collect();
+    let mut uses: Vec<(String, &Shape, Affine)> = own.collect();
+    for instance in scene.instances.values() {
+        let Instance { name: _, group, places: _ } = instance;
+        for (name, place) in instance.named() {
+            let shapes = scene.groups[*group].shapes.values();
+            uses.extend(shapes.map(|shape| (format!("{name}/{}", shape.name), shape, shape.transform.then(place))));
+        }
+    }
     let objects = Words::default().assign(uses.iter().map(|(name, _, _)| name.as_str()));
     for ((name, shape, transform), id) in uses.iter().zip(&objects) {
         let Shape { name: _, mesh, transform: _, material, emission } = shape;

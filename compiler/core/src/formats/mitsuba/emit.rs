@@ -1,5 +1,6 @@
 //! Scene to Mitsuba XML: `scene.xml`, which includes `settings.xml` and `description.xml`.
 
+use std::borrow::Cow;
 use std::io::{self, Write};
 
 use super::names::{DEFAULT_CLIPPING, Names, PHOTON_ALPHA, RR_DEPTH, Version, emitter as plugin, photon_depth};
@@ -178,7 +179,9 @@ fn description(version: Version, scene: &Scene, meshes: &str, out: &mut dyn Writ
     let materials = words.assign(scene.materials.values().map(|material| material.name.as_str()));
     let groups = words.assign(scene.groups.values().map(|group| group.name.as_str()));
     let shapes = words.assign(scene.shapes.values().map(|shape| shape.name.as_str()));
-    let instances = words.assign(scene.instances.values().map(|instance| instance.name.as_str()));
+    let placed_names: Vec<Cow<'_, str>> =
+        scene.instances.values().flat_map(|instance| instance.named().map(|(name, _)| name)).collect();
+    let mut instances = words.assign(placed_names.iter().map(Cow::as_ref)).into_iter();
     for (item, id) in scene.materials.values().zip(&materials) {
         let Material { name, bsdf } = item;
         comment(name, id, out)?;
@@ -206,13 +209,15 @@ fn description(version: Version, scene: &Scene, meshes: &str, out: &mut dyn Writ
         comment(name, id, out)?;
         emitter(names, kind, id, out)?;
     }
-    for (instance, id) in scene.instances.values().zip(&instances) {
+    for instance in scene.instances.values() {
         // The id says enough: thousands of comments would only make the file larger.
-        let Instance { name: _, group, transform } = instance;
-        writeln!(out, "\t<shape type=\"instance\" id=\"{id}\">")?;
-        writeln!(out, "\t\t<ref id=\"{}\"/>", groups[group.index()])?;
-        placed(names, transform, 2, out)?;
-        writeln!(out, "\t</shape>")?;
+        let Instance { name: _, group, places } = instance;
+        for (place, id) in places.maps().iter().zip(&mut instances) {
+            writeln!(out, "\t<shape type=\"instance\" id=\"{id}\">")?;
+            writeln!(out, "\t\t<ref id=\"{}\"/>", groups[group.index()])?;
+            placed(names, place, 2, out)?;
+            writeln!(out, "\t</shape>")?;
+        }
     }
     Ok(())
 }

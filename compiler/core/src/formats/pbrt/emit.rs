@@ -158,11 +158,13 @@ fn description(version: Version, scene: &Scene, meshes: &str, out: &mut dyn Writ
     }
     scene.shapes.values().try_for_each(|shape| surface(shape, out))?;
     for instance in scene.instances.values() {
-        let Instance { name, group, transform } = instance;
-        writeln!(out, "\n# {}\nAttributeBegin", Line(name))?;
-        placed(transform, out)?;
-        writeln!(out, "\tObjectInstance \"{}\"", groups[group.index()])?;
-        writeln!(out, "AttributeEnd")?;
+        let Instance { name: _, group, places: _ } = instance;
+        for (name, place) in instance.named() {
+            writeln!(out, "\n# {}\nAttributeBegin", Line(&name))?;
+            placed(place, out)?;
+            writeln!(out, "\tObjectInstance \"{}\"", groups[group.index()])?;
+            writeln!(out, "AttributeEnd")?;
+        }
     }
     if version.names().world_end {
         writeln!(out, "\nWorldEnd")?;

@@ -64,8 +64,10 @@ fn corners(scene: &Scene, mut visit: impl FnMut(Vec3)) {
     };
     scene.shapes.values().for_each(|shape| see(shape, &Affine::IDENTITY));
     for instance in scene.instances.values() {
-        let Instance { name: _, group, transform } = instance;
-        scene.groups[*group].shapes.values().for_each(|shape| see(shape, transform));
+        let Instance { name: _, group, places } = instance;
+        for place in places.maps() {
+            scene.groups[*group].shapes.values().for_each(|shape| see(shape, place));
+        }
     }
 }
 

@@ -3,7 +3,7 @@
 use crate::diag::Origin;
 use crate::ir::{
     Affine, Arena, Bsdf, Camera, Color, Documentation, Emission, Film, Filter, Group, Handle, Instance, Integrator,
-    Material, Mesh, Sampler, Scene, Shape, Vec3, cross, normalized, sub,
+    Material, Mesh, Places, Sampler, Scene, Shape, Vec3, cross, normalized, sub,
 };
 use crate::mesh::Geometry;
 
@@ -142,7 +142,9 @@ pub fn grid() -> Scene {
     let turned = Affine::rotation([0.0, 0.0, 1.0], 90.0).then(&Affine::translation([0.0, 0.0, 5.0]));
     let sheared = Affine { rows: [[1.0, 0.5, 0.0, 0.0], [0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 1.0, 20.0]] };
     for (at, transform) in [Affine::IDENTITY, turned, sheared].into_iter().enumerate() {
-        scene.instances.push(Instance { name: format!("pair[{at}]"), group, transform }, Origin::Made);
+        scene
+            .instances
+            .push(Instance { name: format!("pair[{at}]"), group, places: Places::One(transform) }, Origin::Made);
     }
     let lamp = quads(&mut scene, "lamp", &[[[-1.0, 1.0, 9.0], [1.0, 1.0, 9.0], [1.0, -1.0, 9.0], [-1.0, -1.0, 9.0]]]);
     shape(&mut scene, "lamp", lamp, black, Some(Emission { radiance: Color::Grey(30.0) }));
