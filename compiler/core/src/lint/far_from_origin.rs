@@ -50,6 +50,5 @@ fn thickness(subject: &Subject<'_>, placed: &Placed<'_>) -> Option<f64> {
 
 /// Two digits are enough for a length in a message.
 fn short(length: f64) -> f64 {
-    let unit = 10_f64.powi(1 - libm::floor(libm::log10(length.max(f64::MIN_POSITIVE))) as i32);
-    (length * unit).round() / unit
+    format!("{length:.1e}").parse().unwrap_or(length)
 }
