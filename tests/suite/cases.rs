@@ -8,6 +8,8 @@ use super::{bless, files_below, ltsc, root, run};
 
 /// Codes that no scene text can lead to today, each with what would.
 const BEYOND_TEXT: &[(&str, &str)] = &[
+    ("foreign-file", "a file of another format: see `outputs`"),
+    ("internal-fault", "a fault of ltsc: see the unit test of `guarded`"),
     ("invalid-camera", "an importer: the constructor refuses first"),
     ("invalid-emission", "an importer: the constructor refuses first"),
     ("invalid-film", "an importer: the constructor refuses first"),

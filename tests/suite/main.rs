@@ -6,6 +6,7 @@ mod format;
 mod geometry;
 mod gltf;
 mod golden;
+mod outputs;
 mod render;
 mod thesis;
 mod tidy;
@@ -23,7 +24,7 @@ fn root() -> &'static Path {
 fn ltsc() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_ltsc"));
     command.env("NO_COLOR", "1").env("COLUMNS", "100").env("LC_ALL", "C.UTF-8");
-    for name in ["LTSC_FORMAT", "LTSC_ROOT"] {
+    for name in ["LTSC_FORMAT", "LTSC_ROOT", "LTSC_ALLOW", "LTSC_WARN", "LTSC_DENY"] {
         command.env_remove(name);
     }
     command.current_dir(root());

@@ -38,6 +38,17 @@ pub enum Format {
     Short,
     /// One JSON document.
     Json,
+    /// A SARIF 2.1.0 log of the findings, for code scanning.
+    Sarif,
+    /// GitHub's workflow commands, which become annotations of a commit.
+    Github,
+}
+
+impl Format {
+    /// Whether a command prints one document of this form, and not line by line.
+    pub fn is_document(self) -> bool {
+        matches!(self, Self::Json | Self::Sarif)
+    }
 }
 
 #[derive(Subcommand, Debug)]
@@ -52,7 +63,7 @@ pub enum Command {
     Build(Build),
     /// Check scenes: errors, and where they leave what renderers agree on.
     #[command(
-        after_help = "Examples:\n  ltsc lint\n  ltsc lint scenes-src/ring.lts --format short\n  ltsc lint --deny undocumented-scene\n  ltsc explain smooth-emitter"
+        after_help = "Examples:\n  ltsc lint\n  ltsc lint scenes-src/ring.lts --format short\n  ltsc lint --deny warnings --format github\n  ltsc lint --format sarif > ltsc.sarif\n  ltsc lint --target pbrt-v4 --deny loss-approximated\n  ltsc explain smooth-emitter"
     )]
     Lint(Lint),
     /// Give scenes and libraries their one canonical form.
@@ -101,14 +112,14 @@ pub struct Findings {
     /// How findings are printed.
     #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
     pub format: Format,
-    /// Drop the findings of a rule.
-    #[arg(long, value_name = "RULE")]
+    /// Drop findings: a code, `all` for every rule, or `warnings`; also by LTSC_ALLOW.
+    #[arg(long, value_name = "CODE", value_delimiter = ',')]
     pub allow: Vec<String>,
-    /// Show the findings of a rule.
-    #[arg(long, value_name = "RULE")]
+    /// Show findings and go on; also by LTSC_WARN.
+    #[arg(long, value_name = "CODE", value_delimiter = ',')]
     pub warn: Vec<String>,
-    /// Show the findings of a rule and fail.
-    #[arg(long, value_name = "RULE")]
+    /// Show findings and fail; also by LTSC_DENY. The command line is stronger than the variables, these than ltsc.toml.
+    #[arg(long, value_name = "CODE", value_delimiter = ',')]
     pub deny: Vec<String>,
     /// Ignore the `allow` statements of scenes.
     #[arg(long)]
@@ -276,7 +287,7 @@ pub struct Diff {
     /// Exit with 1 if a channel's mean or a tile differs by more than this share (0.02 is 2 %).
     #[arg(long, value_name = "SHARE")]
     pub tolerance: Option<f64>,
-    /// How the result is printed.
+    /// How the result is printed; `sarif` and `github`, which are for findings, give the form for people.
     #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
     pub format: Format,
 }
@@ -291,7 +302,7 @@ pub struct Renderers {
 pub enum RenderersAction {
     /// Show which renderers are known and which are there.
     List {
-        /// How the list is printed.
+        /// How the list is printed; `sarif` and `github`, which are for findings, give the form for people.
         #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
         format: Format,
     },

@@ -12,6 +12,9 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
+/// Bytes of stack of each thread. The deepest recursion is that of nested expressions; this is far more than it needs.
+const STACK: usize = 64 << 20;
+
 fn main() -> ExitCode {
     let arguments = match args::Arguments::try_parse() {
         Ok(arguments) => arguments,
@@ -26,8 +29,9 @@ fn main() -> ExitCode {
         terminal::error(&format!("a fault of ltsc itself{place}: {}", terminal::panic_text(panic.payload())));
         terminal::error("please report it with the command and the scene");
     }));
-    // The deepest recursion is that of nested expressions; this is far more than it needs.
-    let worker = std::thread::Builder::new().stack_size(64 << 20).spawn(move || commands::run(arguments));
+    // What works on several files has the stack of what works on one; without threads of its own it works on one at a time.
+    let _pool = rayon::ThreadPoolBuilder::new().stack_size(STACK).build_global();
+    let worker = std::thread::Builder::new().stack_size(STACK).spawn(move || commands::run(arguments));
     let exit = worker.map_err(|_| ()).and_then(|worker| worker.join().map_err(|_| ()));
     exit.unwrap_or(output::Exit::Fault).into()
 }

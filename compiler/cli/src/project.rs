@@ -6,8 +6,9 @@ use std::path::{Path, PathBuf};
 
 use ltsc_core::eval::{Limit, Limits};
 use ltsc_core::formats::{self, TARGETS, Target};
-use ltsc_core::lint::{self, Level, Levels};
+use ltsc_core::lint::{Level, LevelError, Levels};
 use serde::Deserialize;
+use toml::Spanned;
 
 use crate::args;
 use crate::output::{Exit, Failure};
@@ -23,7 +24,7 @@ struct Text {
     generated: Option<String>,
     targets: Option<Vec<String>>,
     #[serde(default)]
-    rules: BTreeMap<String, String>,
+    rules: BTreeMap<Spanned<String>, Spanned<String>>,
     #[serde(default)]
     limits: BTreeMap<String, Amount>,
     #[serde(default)]
@@ -82,7 +83,7 @@ impl Project {
             scenes: folder.to_path_buf(),
             generated: beside,
             targets: TARGETS.iter().collect(),
-            levels: Levels::new(),
+            levels: Levels::default(),
             limits: Limits::default(),
             executables: BTreeMap::new(),
         })
@@ -130,13 +131,13 @@ impl Project {
                 known
             }
         };
-        let mut levels = Levels::new();
-        for (id, word) in rules {
-            known_rule(&id).map_err(here)?;
-            let level = Level::from_word(&word)
-                .ok_or_else(|| bad(format!("rule `{id}`: a level is allow, warn or deny, not `{word}`")))?;
-            levels.insert(id, level);
-        }
+        let levels = levels_of(&rules).map_err(|(at, problem)| {
+            let before = text.get(..at).unwrap_or_default();
+            let line = before.matches('\n').count() + 1;
+            let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
+            Failure::new(Exit::Input, format!("{}:{line}:{column}: {}", file.display(), problem.message))
+                .help(problem.help)
+        })?;
         let mut limits = Limits::default();
         for (name, amount) in given {
             let amount = match amount {
@@ -167,14 +168,18 @@ impl Project {
         })
     }
 
-    /// The levels with what the command line says about them.
+    /// The levels with what the variables `LTSC_ALLOW`, `LTSC_WARN`, `LTSC_DENY` and, stronger, the command line say.
     pub fn levels_with(&self, findings: &args::Findings) -> Result<Levels, Failure> {
         let mut levels = self.levels.clone();
-        let given = [(Level::Allow, &findings.allow), (Level::Warn, &findings.warn), (Level::Deny, &findings.deny)];
-        for (level, id) in given.into_iter().flat_map(|(level, ids)| ids.iter().map(move |id| (level, id))) {
-            known_rule(id)?;
-            levels.insert(id.clone(), level);
-        }
+        let of = |variable: &str| std::env::var(variable).unwrap_or_default();
+        let variables = ["LTSC_ALLOW", "LTSC_WARN", "LTSC_DENY"].map(|name| (name, of(name)));
+        let split = |text: &str| -> Vec<String> {
+            text.split(',').map(str::trim).filter(|word| !word.is_empty()).map(str::to_owned).collect()
+        };
+        let [allow, warn, deny] = variables.each_ref().map(|(_, text)| split(text));
+        set(&mut levels, [&allow, &warn, &deny]).map_err(|(at, problem)| usage(variables[at].0, problem))?;
+        set(&mut levels, [&findings.allow, &findings.warn, &findings.deny])
+            .map_err(|(at, problem)| usage(["--allow", "--warn", "--deny"][at], problem))?;
         Ok(levels)
     }
 }
@@ -208,16 +213,47 @@ fn set_limit(limits: &mut Limits, name: &str, amount: &str) -> Result<(), Failur
     limit.set(limits, value).map_err(wrong)
 }
 
-fn known_rule(id: &str) -> Result<(), Failure> {
-    if lint::find(id).is_some() {
-        return Ok(());
+fn usage(place: &str, LevelError { message, help }: LevelError) -> Failure {
+    Failure::new(Exit::Usage, format!("{place}: {message}")).help(help)
+}
+
+/// Sets what one source says, groups before codes; a problem comes with the level's place in `Level`'s order.
+fn set(levels: &mut Levels, said: [&[String]; 3]) -> Result<(), (usize, LevelError)> {
+    let order = [Level::Allow, Level::Warn, Level::Deny];
+    let group = |name: &str| Levels::GROUPS.iter().any(|(group, _)| *group == name);
+    for groups in [true, false] {
+        for (at, (level, names)) in order.into_iter().zip(said).enumerate() {
+            for name in names.iter().filter(|name| group(name) == groups) {
+                levels.set(name, level).map_err(|problem| (at, problem))?;
+            }
+        }
     }
-    let known: Vec<&str> = lint::RULES.iter().map(|rule| rule.id).collect();
-    let failure = Failure::new(Exit::Usage, format!("there is no rule `{id}`"));
-    Err(match ltsc_core::diag::nearest(id, known.iter().copied()) {
-        Some(similar) => failure.help(format!("did you mean `{similar}`?")),
-        None => failure.help(format!("known are {}", known.join(", "))),
-    })
+    Ok(())
+}
+
+/// The levels of a project file; a problem comes with its byte.
+fn levels_of(rules: &BTreeMap<Spanned<String>, Spanned<String>>) -> Result<Levels, (usize, LevelError)> {
+    let mut levels = Levels::default();
+    let group = |name: &str| Levels::GROUPS.iter().any(|(group, _)| *group == name);
+    for groups in [true, false] {
+        for (name, word) in rules.iter().filter(|(name, _)| group(name.get_ref()) == groups) {
+            let level = Level::from_word(word.get_ref()).ok_or_else(|| {
+                let message = format!("`{}` is no level", word.get_ref());
+                (word.span().start, LevelError { message, help: "a level is `allow`, `warn` or `deny`".to_owned() })
+            })?;
+            levels.set(name.get_ref(), level).map_err(|problem| (name.span().start, problem))?;
+        }
+    }
+    Ok(levels)
+}
+
+/// Where a folder lies in its repository, the nearest one upward with a `.git`: empty, or with a `/` at its end. A folder in no
+/// repository is its own.
+pub fn prefix(folder: &Path) -> String {
+    let Ok(folder) = fs::canonicalize(folder) else { return String::new() };
+    let repository = folder.ancestors().find(|folder| folder.join(".git").exists()).unwrap_or(&folder);
+    let Ok(below) = folder.strip_prefix(repository) else { return String::new() };
+    below.components().map(|part| format!("{}/", part.as_os_str().to_string_lossy())).collect()
 }
 
 /// The target called `name`.

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::io;
 
 use crate::capability::{Support, features};
-use crate::diag::{Finding, Severity, Sources};
+use crate::diag::{Finding, Origin, Severity, Sources, Suppression};
 use crate::eval::{self, Allow, Evaluated, Overrides, SceneParameter};
 use crate::files::{Bytes, Files, Sink, VPath};
 use crate::formats::{self, Emission, Target};
@@ -29,7 +29,7 @@ pub struct Options {
 }
 
 /// A file that was read, evaluated and linted.
-#[derive(Debug)]
+#[derive(Debug, Default)]
 pub struct Checked {
     /// The scene, unless something is malformed or the file is a library.
     pub scene: Option<Scene>,
@@ -50,8 +50,55 @@ impl Checked {
     }
 }
 
+/// Formats of scenes and meshes that are not ltsc's own: how their files' names end, and what they hold.
+const FOREIGN: &[(&str, &str)] = &[
+    ("xml", "a scene of Mitsuba"),
+    ("pbrt", "a scene of PBRT"),
+    ("scn", "a scene of LuxCore"),
+    ("cfg", "a configuration of LuxCore"),
+    ("gltf", "a scene in glTF"),
+    ("glb", "a scene in glTF"),
+    ("blend", "a scene of Blender"),
+    ("usd", "a scene in USD"),
+    ("usda", "a scene in USD"),
+    ("usdc", "a scene in USD"),
+    ("obj", MESH),
+    ("ply", MESH),
+];
+
+const MESH: &str = "a mesh";
+
+/// What is to be said of a file in a format that is not ltsc's own.
+fn foreign(path: &VPath) -> Option<Finding> {
+    let ending = path.as_str().rsplit_once('.')?.1.to_ascii_lowercase();
+    let (_, what) = FOREIGN.iter().find(|(known, _)| *known == ending)?;
+    let origin = Origin::File { path: path.as_str().to_owned(), place: String::new() };
+    let finding = Finding::error("foreign-file", origin, format!("the file is {what}, not one of ltsc"));
+    Some(if *what == MESH {
+        finding.help(format!("name it in a scene: `shape a = file(\"{path}\") with diffuse(0.5)`"))
+    } else {
+        finding
+            .note("importers for other formats come in a later version of ltsc; it will be checked by the same rules then")
+            .help("name a `.lts` file")
+    })
+}
+
+/// The code of a finding that ltsc itself failed.
+pub const FAULT: &str = "internal-fault";
+
+/// That ltsc failed on the file at `path`, where a panic said `problem`.
+pub fn fault(path: &VPath, problem: &str) -> Checked {
+    let origin = Origin::File { path: path.as_str().to_owned(), place: String::new() };
+    let finding = Finding::error(FAULT, origin, format!("a fault of ltsc itself: {problem}"))
+        .help("please report it with the file");
+    Checked { findings: vec![finding], ..Checked::default() }
+}
+
 /// Reads, evaluates and lints the file at `path`; texts that were read are added to `sources`.
 pub fn check(files: &dyn Files, sources: &mut Sources, path: &VPath, options: &Options) -> Checked {
+    if let Some(finding) = foreign(path) {
+        return Checked { findings: vec![finding], ..Checked::default() };
+    }
     let Evaluated { scene, mut findings, allows, inputs, library, parameters, unused, lengthened } =
         eval::evaluate(files, sources, path, &options.overrides);
     let unused = unused.into_iter().map(|eval::Unused { kind, name, span }| UnusedName { kind, name, span }).collect();
@@ -59,18 +106,19 @@ pub fn check(files: &dyn Files, sources: &mut Sources, path: &VPath, options: &O
     let lint = |scene| lint::lint(scene, &around, &options.levels, &options.targets);
     let mut linted = scene.as_ref().map(lint).unwrap_or_default();
     if !options.no_allow {
-        findings.extend(suppress(&mut linted, &allows, scene.is_some()));
+        findings.extend(suppress(&mut linted, &allows, scene.is_some(), options));
     }
+    options.levels.judge(&mut findings);
     findings.append(&mut linted);
     findings.sort_by_key(|finding| finding.origin.span());
     Checked { scene, findings, library, inputs, parameters }
 }
 
 /// Gives findings that an `allow` covers the severity [`Severity::Allow`]; says which suppressions are unknown or unused.
-fn suppress(linted: &mut [Finding], allows: &[Allow], complete: bool) -> Vec<Finding> {
+fn suppress(linted: &mut [Finding], allows: &[Allow], complete: bool, options: &Options) -> Vec<Finding> {
     let mut findings = Vec::new();
     for allow in allows {
-        if lint::find(&allow.id).is_none() {
+        let Some(rule) = lint::find(&allow.id) else {
             let similar = crate::diag::nearest(&allow.id, lint::RULES.iter().map(|rule| rule.id));
             let message = format!("there is no rule `{}`", allow.id);
             let finding = Finding::warn("unknown-rule", allow.span, message);
@@ -79,7 +127,7 @@ fn suppress(linted: &mut [Finding], allows: &[Allow], complete: bool) -> Vec<Fin
                 None => finding.help("`ltsc explain` lists the rules"),
             });
             continue;
-        }
+        };
         let mut used = false;
         for finding in linted.iter_mut().filter(|finding| finding.id == allow.id) {
             let covered = match (allow.range, finding.origin.span()) {
@@ -91,11 +139,12 @@ fn suppress(linted: &mut [Finding], allows: &[Allow], complete: bool) -> Vec<Fin
             };
             if covered {
                 finding.severity = Severity::Allow;
+                finding.suppression = Some(Suppression { span: allow.span, reason: allow.reason.clone() });
                 used = true;
             }
         }
-        // A library's suppressions may be about scenes other than this one.
-        if !used && complete {
+        // A rule that was not asked finds nothing to suppress.
+        if !used && complete && options.levels.ask(rule, &options.targets) {
             findings.push(
                 Finding::warn("unused-allow", allow.span, format!("`allow {}` suppresses nothing", allow.id))
                     .help("remove it"),

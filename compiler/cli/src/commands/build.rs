@@ -5,9 +5,10 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use ltsc_core::diag::{Finding, Severity, Sources};
+use ltsc_core::diag::{Finding, Severity};
 use ltsc_core::eval::Overrides;
 use ltsc_core::formats::{self, Target};
+use ltsc_core::lint::Levels;
 use ltsc_core::pipeline;
 use ltsc_core::valid::Valid;
 use rayon::prelude::*;
@@ -15,16 +16,16 @@ use serde_json::json;
 
 use crate::args::{Build, Format};
 use crate::disk::{Changes, DiskSink, MANIFEST, Manifest, unwritable};
-use crate::output::{self, Exit, Failure, Located};
+use crate::output::{Exit, Failure, Located};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
 
-use super::shared::{CheckedFile, check, files_of, losses, report};
+use super::shared::{CheckedFile, all_files_of, check, losses, report, say_losses};
 
 /// A scene that can be written.
 struct Ready<'f> {
     scene: Valid,
-    sources: &'f Sources,
+    file: &'f CheckedFile,
     remarks: Vec<Finding>,
 }
 
@@ -42,7 +43,12 @@ pub fn run(command: &Build) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     let mut said = false;
     let mut all = Vec::new();
-    for (project, files) in files_of(&command.paths)? {
+    let groups = all_files_of(&command.paths)?;
+    if groups.len() > 1 && command.findings.format.is_document() {
+        return Err(Failure::new(Exit::Usage, "the scenes belong to several projects, and there is one document")
+            .help("build them one by one, or choose `--format short`"));
+    }
+    for (project, files) in groups {
         let (one, built) = build(command, &project, &files, &only, whole)?;
         exit = exit.max(one);
         match built {
@@ -72,16 +78,23 @@ fn build(
     let targets: &[&'static Target] = if only.is_empty() { &project.targets } else { only };
     let output = command.output.as_deref().unwrap_or(&project.generated);
     let checked = check(project, files, &command.findings, Overrides::default(), &[])?;
-    let (ready, invalid) = prepare(&checked);
-    let mut more: Vec<Located<'_>> = invalid;
+    let levels = project.levels_with(&command.findings)?;
+    let (ready, mut more) = prepare(&checked, &levels);
     for ready in &ready {
-        more.extend(ready.remarks.iter().map(|finding| Located { finding: finding.clone(), sources: ready.sources }));
+        more.extend(ready.remarks.iter().map(|finding| ready.file.located(finding.clone())));
     }
-    let json = command.findings.format == Format::Json;
-    let failing = checked.iter().any(|file| file.checked.worst() >= Severity::Deny)
-        || more.iter().any(|located| located.finding.severity >= Severity::Deny);
+    let scenes: Vec<(&Valid, &CheckedFile)> = ready.iter().map(|ready| (&ready.scene, ready.file)).collect();
+    let denied = |located: &Located<'_>| located.finding.severity >= Severity::Deny;
+    let lost = losses(&scenes, targets, &levels);
+    let format = command.findings.format;
+    let json = format == Format::Json;
+    let failing =
+        checked.iter().any(|file| file.checked.worst() >= Severity::Deny) || more.iter().chain(&lost).any(denied);
     // Programs get one document: the findings where they forbid to write, else what was written.
-    let shown = if json && !failing { Format::Short } else { command.findings.format };
+    let shown = if json && !failing { Format::Short } else { format };
+    // People get a line for each target below, and what forbids to write.
+    let each = shown != Format::Human && !command.check;
+    more.extend(lost.into_iter().filter(|located| each || denied(located)));
     let (exit, _) = report(&checked, more, shown, false, true);
     if exit != Exit::Done {
         terminal::error("nothing was written");
@@ -91,10 +104,8 @@ fn build(
         return Err(Failure::new(Exit::Input, format!("two scenes are named `{name}`: {first} and {second}"))
             .help("rename one of them"));
     }
-    let scenes: Vec<(&Valid, &Sources)> = ready.iter().map(|ready| (&ready.scene, ready.sources)).collect();
-    let lost = losses(&scenes, targets, if command.check { Format::Short } else { shown });
-    if !command.check {
-        output::findings(&lost, shown, false, true);
+    if shown == Format::Human && !command.check {
+        say_losses(&scenes.iter().map(|(scene, _)| *scene).collect::<Vec<_>>(), targets);
     }
     let bar = std::sync::Mutex::new((Bar::new(ready.len() as u64, "building"), 0));
     let built: Vec<Result<Built, Failure>> = ready
@@ -124,7 +135,7 @@ fn build(
 }
 
 /// Lowers and validates what can be written; the rest comes back as findings.
-fn prepare(checked: &[CheckedFile]) -> (Vec<Ready<'_>>, Vec<Located<'_>>) {
+fn prepare<'f>(checked: &'f [CheckedFile], levels: &Levels) -> (Vec<Ready<'f>>, Vec<Located<'f>>) {
     let scenes = checked.par_iter().filter_map(|file| {
         let scene = file.checked.scene.clone().filter(|_| file.checked.worst() < Severity::Deny)?;
         Some((file, pipeline::prepare(scene)))
@@ -132,10 +143,11 @@ fn prepare(checked: &[CheckedFile]) -> (Vec<Ready<'_>>, Vec<Located<'_>>) {
     let (mut ready, mut invalid) = (Vec::new(), Vec::new());
     for (file, prepared) in scenes.collect::<Vec<_>>() {
         match prepared {
-            Ok((scene, remarks)) => ready.push(Ready { scene, sources: &file.sources, remarks }),
-            Err(findings) => {
-                invalid.extend(findings.into_iter().map(|finding| Located { finding, sources: &file.sources }))
+            Ok((scene, mut remarks)) => {
+                levels.judge(&mut remarks);
+                ready.push(Ready { scene, file, remarks });
             }
+            Err(findings) => invalid.extend(findings.into_iter().map(|finding| file.located(finding))),
         }
     }
     (ready, invalid)
@@ -144,7 +156,7 @@ fn prepare(checked: &[CheckedFile]) -> (Vec<Ready<'_>>, Vec<Located<'_>>) {
 /// Two scenes that would be written into one folder, also where the system does not tell case.
 fn twins(ready: &[Ready<'_>]) -> Option<(String, String, String)> {
     let mut seen: BTreeMap<String, &Ready<'_>> = BTreeMap::new();
-    let path = |ready: &Ready<'_>| ready.sources.iter().next().map_or(String::new(), |file| file.path.clone());
+    let path = |ready: &Ready<'_>| ready.file.path.to_string();
     for one in ready {
         if let Some(first) = seen.insert(one.scene.name.to_lowercase(), one) {
             return Some((one.scene.name.clone(), path(first), path(one)));

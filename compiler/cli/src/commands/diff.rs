@@ -37,7 +37,7 @@ pub fn run(command: &Diff) -> Result<Exit, Failure> {
     }
     match command.format {
         Format::Json => terminal::print(&format!("{document:#}\n")),
-        Format::Human | Format::Short => {
+        Format::Human | Format::Short | Format::Sarif | Format::Github => {
             terminal::print(&to_text(&comparison));
             if let (Some(beyond), Some(tolerance)) = (beyond, command.tolerance) {
                 let word = if beyond { "beyond" } else { "within" };

@@ -15,11 +15,14 @@ use super::shared::one;
 pub fn run(command: &Emit) -> Result<Exit, Failure> {
     let target = project::target(&command.target)?;
     let Some(file) = &command.scene else { return all(command) };
-    let scene = match one(file, &command.findings, &command.settings, true)? {
+    let scene = match one(file, &command.findings, &command.settings)? {
         Ok(scene) => scene,
         Err(exit) => return Ok(exit),
     };
-    scene.report_losses(target, command.findings.format);
+    let exit = scene.report(target, &command.findings, false)?;
+    if exit != Exit::Done {
+        return Ok(exit);
+    }
     let name = format!("{}-{}", scene.scene.name, target.name);
     let folder = command.output.clone().unwrap_or_else(|| PathBuf::from(name));
     let failed = |error: std::io::Error| unwritable(&folder, &error);

@@ -36,12 +36,13 @@ pub fn run(command: &Fmt) -> Result<Exit, Failure> {
         return input(command);
     }
     let mut files = Vec::new();
-    for (project, paths) in files_of(&command.paths)? {
+    let (groups, problems) = files_of(&command.paths)?;
+    for (project, paths) in groups {
         let most = limits_with(project.limits, &command.limits)?.text;
         files.extend(paths.into_iter().map(|path| (path, most)));
     }
     let done: Vec<Result<Done, Failure>> = files.par_iter().map(|(file, most)| one(file, *most, command)).collect();
-    let mut worst = Exit::Done;
+    let mut worst = problems.iter().map(Failure::show).max().unwrap_or(Exit::Done);
     let mut changed = 0;
     for ((file, _), done) in files.iter().zip(done) {
         let exit = match done {
@@ -135,7 +136,8 @@ fn formatted(name: &str, text: String) -> Result<Done, Failure> {
         Ok(after) => Ok(Done::Changed(text, after)),
         Err(FormatError::Malformed(findings)) => {
             let shown = findings.into_iter().filter(|finding| finding.severity >= Severity::Error);
-            let all: Vec<Located<'_>> = shown.map(|finding| Located { finding, sources: &sources }).collect();
+            let all: Vec<Located<'_>> =
+                shown.map(|finding| Located { finding, sources: &sources, prefix: "" }).collect();
             output::findings(&all, Format::Human, false, true);
             Ok(Done::Refused(Exit::Input))
         }

@@ -18,7 +18,7 @@ use crate::terminal;
 /// Runs the command.
 pub fn run(arguments: Arguments) -> Exit {
     terminal::choose(arguments.color);
-    let json = wants_json(&arguments.command);
+    let format = format_of(&arguments.command);
     let done = match arguments.command {
         Command::Build(command) => build::run(&command),
         Command::Lint(command) => lint::run(&command),
@@ -31,18 +31,16 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Completions { shell } => completions::run(shell),
     };
     let exit = done.unwrap_or_else(|failure| {
-        if json {
-            terminal::print(&failure.json());
-        }
+        failure.print(format);
         failure.show()
     });
     // A gate must not turn green because its answer could not be written.
     if terminal::output_failed() && exit == Exit::Done { Exit::Environment } else { exit }
 }
 
-/// Whether the command's output is for programs.
-fn wants_json(command: &Command) -> bool {
-    let format = match command {
+/// The form in which the command answers.
+fn format_of(command: &Command) -> Format {
+    match command {
         Command::Build(command) => command.findings.format,
         Command::Lint(command) => command.findings.format,
         Command::Emit(command) => command.findings.format,
@@ -53,6 +51,5 @@ fn wants_json(command: &Command) -> bool {
             RenderersAction::Install { .. } => Format::Human,
         },
         Command::Fmt(_) | Command::Explain(_) | Command::Completions { .. } => Format::Human,
-    };
-    format == Format::Json
+    }
 }

@@ -25,13 +25,16 @@ use super::shared::{One, one};
 pub fn run(command: &Render) -> Result<Exit, Failure> {
     let driver = find_driver(&command.renderer)?;
     check_output(command)?;
-    let scene = match one(&command.scene, &command.findings, &command.settings, false)? {
+    let scene = match one(&command.scene, &command.findings, &command.settings)? {
         Ok(scene) => scene,
         Err(exit) => return Ok(exit),
     };
     let target = project::target(driver.target)?;
     check_algorithm(driver, &scene.scene)?;
-    scene.report_losses(target, command.findings.format);
+    let exit = scene.report(target, &command.findings, command.findings.format == Format::Json)?;
+    if exit != Exit::Done {
+        return Ok(exit);
+    }
     let work = tempfile::Builder::new()
         .prefix("ltsc-render-")
         .tempdir()

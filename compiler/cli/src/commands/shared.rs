@@ -2,6 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use ltsc_core::capability::{Feature, Support, features};
 use ltsc_core::diag::{Finding, Severity, Sources, nearest};
@@ -9,6 +10,7 @@ use ltsc_core::eval::{self, Limits, Overrides};
 use ltsc_core::files::VPath;
 use ltsc_core::formats::Target;
 use ltsc_core::ir::{Camera, Documentation, Handle, Scene};
+use ltsc_core::lint::Levels;
 use ltsc_core::pipeline::{self, Checked, Options};
 use ltsc_core::valid::Valid;
 use rayon::prelude::*;
@@ -28,16 +30,58 @@ pub struct CheckedFile {
     pub path: VPath,
     pub checked: Checked,
     pub sources: Sources,
+    /// Where the project lies in its repository.
+    pub prefix: Arc<str>,
 }
 
-/// The files that a command with paths works on: those of the project where there are none.
-pub fn files_of(paths: &[PathBuf]) -> Result<Vec<(Project, Vec<PathBuf>)>, Failure> {
+impl CheckedFile {
+    /// `finding` with its place.
+    pub fn located(&self, finding: Finding) -> Located<'_> {
+        Located { finding, sources: &self.sources, prefix: &self.prefix }
+    }
+}
+
+/// Files of a project, in the order in which they are answered for.
+pub type Group = (Project, Vec<PathBuf>);
+
+/// The files that a command with paths works on, by project: those of the project where there are no paths. The order is that of
+/// the paths, and a file that is named twice stands there once.
+///
+/// What cannot be read comes beside them: one bad path does not hide what is wrong with the others.
+pub fn files_of(paths: &[PathBuf]) -> Result<(Vec<Group>, Vec<Failure>), Failure> {
     if paths.is_empty() {
         let project = Project::here()?;
         let files = project::scene_files(&project.scenes)?;
-        return Ok(vec![(project, files)]);
+        return Ok((vec![(project, files)], Vec::new()));
     }
-    paths.iter().map(|path| Ok((Project::of(path)?, project::scene_files(path)?))).collect()
+    let mut groups: Vec<Group> = Vec::new();
+    let mut problems = Vec::new();
+    let mut seen = BTreeSet::new();
+    for path in paths {
+        let (project, files) = match Project::of(path).and_then(|project| Ok((project, project::scene_files(path)?))) {
+            Ok(found) => found,
+            Err(problem) if problem.exit == Exit::Usage => return Err(problem),
+            Err(problem) => {
+                problems.push(problem);
+                continue;
+            }
+        };
+        let files = files.into_iter().filter(|file| seen.insert(std::fs::canonicalize(file).unwrap_or(file.clone())));
+        let same = |(other, _): &&mut Group| {
+            (&other.root, other.declared, &other.scenes) == (&project.root, project.declared, &project.scenes)
+        };
+        match groups.iter_mut().find(same) {
+            Some((_, known)) => known.extend(files),
+            None => groups.push((project, files.collect())),
+        }
+    }
+    Ok((groups, problems))
+}
+
+/// The files of [`files_of`], where one that cannot be read ends the command.
+pub fn all_files_of(paths: &[PathBuf]) -> Result<Vec<Group>, Failure> {
+    let (groups, problems) = files_of(paths)?;
+    problems.into_iter().next().map_or(Ok(groups), Err)
 }
 
 /// Checks files of a project, in parallel; the result is in the order of the files.
@@ -59,17 +103,28 @@ pub fn check(
         targets: targets.iter().map(|target| target.name).collect(),
         scenes: headers(project, files, &disk, limits),
     };
+    let prefix: Arc<str> = project::prefix(root).into();
     let one = |file: &PathBuf| {
         let path = disk.path_of(file).ok_or_else(|| {
             Failure::new(Exit::Usage, format!("{} does not lie below {}", file.display(), root.display()))
                 .help("widen the root with `--root`, or move the scene")
         })?;
-        let mut sources = Sources::default();
-        let checked = pipeline::check(&disk, &mut sources, &path, &options);
-        Ok(CheckedFile { path, checked, sources })
+        let (checked, sources) = guarded(&path, || {
+            let mut sources = Sources::default();
+            let checked = pipeline::check(&disk, &mut sources, &path, &options);
+            (checked, sources)
+        });
+        Ok(CheckedFile { path, checked, sources, prefix: Arc::clone(&prefix) })
     };
     // One file is not worth starting threads for.
     if files.len() == 1 { files.iter().map(one).collect() } else { files.par_iter().map(one).collect() }
+}
+
+/// What `check` gives; where it panics, a finding that says so, since one file must not hide the others.
+fn guarded(path: &VPath, check: impl FnOnce() -> (Checked, Sources)) -> (Checked, Sources) {
+    // Nothing that a panic leaves half done is looked at afterwards.
+    let done = std::panic::catch_unwind(std::panic::AssertUnwindSafe(check));
+    done.unwrap_or_else(|payload| (pipeline::fault(path, &terminal::panic_text(payload.as_ref())), Sources::default()))
 }
 
 /// The documentation of the project's scenes by name, of a folder without `ltsc.toml` only that of the files asked for. What
@@ -94,7 +149,7 @@ pub fn report(
     let mut all: Vec<Located<'_>> = Vec::new();
     for file in files {
         for finding in &file.checked.findings {
-            let located = Located { finding: finding.clone(), sources: &file.sources };
+            let located = file.located(finding.clone());
             if seen.insert(located.key()) {
                 all.push(located);
             }
@@ -102,7 +157,7 @@ pub fn report(
     }
     all.extend(more);
     let counts = output::Counts::of(all.iter().map(|located| &located.finding));
-    let worst = all.iter().map(|located| located.finding.severity).max().unwrap_or(Severity::Allow);
+    let exit = all.iter().map(|located| Exit::of_finding(&located.finding)).max().unwrap_or(Exit::Done);
     if format == Format::Human && all.len() > SHOWN {
         let rest = all.len() - SHOWN;
         all.truncate(SHOWN);
@@ -111,29 +166,28 @@ pub fn report(
     } else {
         output::findings(&all, format, to_stdout, quiet);
     }
-    (Exit::of(worst), counts)
+    (exit, counts)
 }
 
-/// Prints findings that belong to no text of their own.
-pub fn report_loose(findings: Vec<Finding>, sources: &Sources, format: Format) -> Exit {
-    let worst = findings.iter().map(|finding| finding.severity).max().unwrap_or(Severity::Allow);
-    let all: Vec<Located<'_>> = findings.into_iter().map(|finding| Located { finding, sources }).collect();
-    output::findings(&all, format, false, true);
-    Exit::of(worst)
+/// What targets cannot say exactly of scenes, with the levels chosen for it.
+pub fn losses<'s>(
+    scenes: &[(&Valid, &'s CheckedFile)],
+    targets: &[&'static Target],
+    levels: &Levels,
+) -> Vec<Located<'s>> {
+    let all = scenes.iter().flat_map(|(scene, file)| {
+        let mut of: Vec<Finding> = targets.iter().flat_map(|target| pipeline::losses(scene, target)).collect();
+        levels.judge(&mut of);
+        of.into_iter().map(|finding| file.located(finding))
+    });
+    all.collect()
 }
 
-/// What targets cannot say exactly of scenes. People get a line for each target, programs a finding for each loss.
-pub fn losses<'s>(scenes: &[(&Valid, &'s Sources)], targets: &[&'static Target], format: Format) -> Vec<Located<'s>> {
-    if format != Format::Human {
-        let all = scenes.iter().flat_map(|(scene, sources)| {
-            let of = targets.iter().flat_map(|target| pipeline::losses(scene, target));
-            of.map(|finding| Located { finding, sources })
-        });
-        return all.collect();
-    }
+/// A line for each target with what it cannot say exactly of scenes, for people.
+pub fn say_losses(scenes: &[&Valid], targets: &[&'static Target]) {
     for target in targets {
         let (mut dropped, mut nearly) = (BTreeSet::new(), BTreeSet::new());
-        for (feature, _) in scenes.iter().flat_map(|(scene, _)| features(scene)) {
+        for (feature, _) in scenes.iter().flat_map(|scene| features(scene)) {
             match (target.supports)(feature) {
                 Support::Exact => {}
                 Support::Approximate { .. } => {
@@ -152,7 +206,6 @@ pub fn losses<'s>(scenes: &[(&Valid, &'s Sources)], targets: &[&'static Target],
             terminal::say(&format!("{} says nearly: {}", target.name, list(&nearly)));
         }
     }
-    Vec::new()
 }
 
 /// The settings of the command line.
@@ -175,69 +228,68 @@ pub fn overrides(settings: &args::Settings) -> Result<Overrides, Failure> {
     })
 }
 
-/// The one scene of a file; findings are printed, and those that forbid to go on end the command.
+/// The one scene of a file, in which nothing forbids to go on.
 pub struct One {
     pub project: Project,
-    pub sources: Sources,
     pub scene: Valid,
     pub camera: Handle<Camera>,
     /// BLAKE3 of everything that the scene was read from, settings of the command line included.
     pub hash: String,
-    /// What lowering changed.
-    remarks: Vec<Finding>,
+    /// The file, what lowering changed among its findings.
+    file: CheckedFile,
 }
 
 impl One {
-    /// Prints what lowering changed and what the target cannot say exactly.
-    pub fn report_losses(&self, target: &'static Target, format: Format) {
-        let mut all: Vec<Located<'_>> =
-            self.remarks.iter().map(|finding| Located { finding: finding.clone(), sources: &self.sources }).collect();
-        all.extend(losses(&[(&self.scene, &self.sources)], &[target], format));
-        if format == Format::Short {
-            output::findings(&all, format, false, true);
+    /// Prints what was found and what the target cannot say exactly, and gives the exit code that it leads to. Where the answer of
+    /// the command is a document of its own, `quiet`, programs get findings only where they forbid to go on.
+    pub fn report(&self, target: &'static Target, findings: &args::Findings, quiet: bool) -> Result<Exit, Failure> {
+        let format = findings.format;
+        let lost = losses(&[(&self.scene, &self.file)], &[target], &self.project.levels_with(findings)?);
+        let denied = |located: &Located<'_>| located.finding.severity >= Severity::Deny;
+        let refused = self.file.checked.worst() >= Severity::Deny || lost.iter().any(denied);
+        if quiet && format.is_document() && !refused {
+            return Ok(Exit::Done);
         }
+        // People get a line for each target below, and what forbids to go on.
+        let all = lost.into_iter().filter(|located| format != Format::Human || denied(located)).collect();
+        let (exit, _) = report(std::slice::from_ref(&self.file), all, format, false, true);
+        if format == Format::Human {
+            say_losses(&[&self.scene], &[target]);
+        }
+        Ok(exit)
     }
 }
 
-/// Reads, checks and prepares the scene in `file`.
-///
-/// Programs get the findings as the one document of the command where they end it, and else only if `alone`.
-pub fn one(
-    file: &Path,
-    findings: &args::Findings,
-    settings: &args::Settings,
-    alone: bool,
-) -> Result<Result<One, Exit>, Failure> {
+/// Reads, checks and prepares the scene in `file`; where its findings forbid to go on, they are printed and the exit code comes
+/// back.
+pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) -> Result<Result<One, Exit>, Failure> {
     let project = Project::of(file)?;
     if file.is_dir() {
         return Err(Failure::new(Exit::Usage, format!("{} is a folder", file.display())).help("name one scene"));
     }
     let overrides = overrides(settings)?;
     let files = check(&project, &[file.to_path_buf()], findings, overrides.clone(), &[])?;
-    let json = findings.format == Format::Json;
-    let worst = files.iter().map(|file| file.checked.worst()).max().unwrap_or(Severity::Allow);
-    if !json || Exit::of(worst) != Exit::Done {
-        let (exit, _) = report(&files, Vec::new(), findings.format, false, true);
-        if exit != Exit::Done {
-            return Ok(Err(exit));
-        }
+    let refuse = |files: &[CheckedFile]| report(files, Vec::new(), findings.format, false, true).0;
+    if files.iter().any(|file| file.checked.worst() >= Severity::Deny) {
+        return Ok(Err(refuse(&files)));
     }
-    let Some(CheckedFile { path, checked, sources }) = files.into_iter().next() else { return Ok(Err(Exit::Fault)) };
-    let Some(scene) = checked.scene else {
-        let what = if checked.library { "is a library: it has no `scene`" } else { "gives no scene" };
-        return Err(Failure::new(Exit::Input, format!("{path} {what}")).help("name a scene that uses it"));
+    let Some(mut file) = files.into_iter().next() else { return Ok(Err(Exit::Fault)) };
+    let Some(scene) = file.checked.scene.take() else {
+        let what = if file.checked.library { "is a library: it has no `scene`" } else { "gives no scene" };
+        return Err(Failure::new(Exit::Input, format!("{} {what}", file.path)).help("name a scene that uses it"));
     };
-    let hash = hash(&checked.inputs, &overrides);
+    let hash = hash(&file.checked.inputs, &overrides);
     let camera = camera(&scene, settings.camera.as_deref())?;
-    match pipeline::prepare(scene) {
-        Ok((scene, mut remarks)) => {
-            remarks.splice(0..0, checked.findings.into_iter().filter(|_| json));
-            if json && alone {
-                report_loose(remarks.clone(), &sources, Format::Json);
-            }
-            Ok(Ok(One { project, sources, scene, camera, hash, remarks }))
-        }
-        Err(invalid) => Ok(Err(report_loose(invalid, &sources, findings.format))),
+    let prepared = pipeline::prepare(scene);
+    let (scene, mut remarks) = match prepared {
+        Ok((scene, remarks)) => (Some(scene), remarks),
+        Err(invalid) => (None, invalid),
+    };
+    project.levels_with(findings)?.judge(&mut remarks);
+    file.checked.findings.extend(remarks);
+    match scene {
+        Some(scene) => Ok(Ok(One { project, scene, camera, hash, file })),
+        None => Ok(Err(refuse(&[file]))),
     }
 }
 
@@ -267,4 +319,18 @@ fn hash(inputs: &std::collections::BTreeMap<VPath, ltsc_core::files::Bytes>, ove
     }
     hasher.update(format!("{overrides:?}").as_bytes());
     hasher.finalize().to_hex().to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_panic_becomes_a_finding_of_its_file() {
+        let path = VPath::resolve("", "a.lts").expect("a path");
+        let (checked, _) = guarded(&path, || panic!("no such handle"));
+        let finding = &checked.findings[0];
+        assert_eq!((finding.id, Exit::of_finding(finding)), ("internal-fault", Exit::Fault));
+        assert!(finding.message.contains("no such handle"), "{}", finding.message);
+    }
 }

@@ -6,11 +6,18 @@ pub struct Code {
     pub id: &'static str,
     /// What, why, and what to do.
     pub doc: &'static str,
+    /// Whether it is a remark or a warning, whose level can be chosen; what is malformed stays an error.
+    pub leveled: bool,
 }
 
-/// A row of the table.
+/// A row of the table: an error.
 const fn code(id: &'static str, doc: &'static str) -> Code {
-    Code { id, doc }
+    Code { id, doc, leveled: false }
+}
+
+/// A row of the table: a remark or a warning.
+const fn remark(id: &'static str, doc: &'static str) -> Code {
+    Code { id, doc, leveled: true }
 }
 
 /// All codes that are not rules, by name.
@@ -28,12 +35,20 @@ pub const CODES: &[Code] = &[
         "A setting stands twice in a scene.\nThere is one film, integrator and sampler; several cameras need different names.",
     ),
     code(
+        "foreign-file",
+        "A file is a scene or a mesh in another format than ltsc's own.\nScenes are read from `.lts` files; importers for other formats come later, and lint will take their files then.",
+    ),
+    code(
         "index-out-of-range",
         "A list has no element at this index.\nElements are counted from 0, and a range contains both its ends.",
     ),
     code(
         "instance-limit",
         "A scene has more than 10 million shapes and instances.\nThose in a group count as often as the group is placed; `--limit instances=N`, or `[limits]` in ltsc.toml, raises the limit.",
+    ),
+    code(
+        "internal-fault",
+        "ltsc itself failed on a file.\nThe other files of the run are checked all the same. Please report it with the file.",
     ),
     code(
         "invalid-argument",
@@ -81,19 +96,19 @@ pub const CODES: &[Code] = &[
         "list-limit",
         "A list has more than a million elements.\nThe limit keeps a scene from running without end; `--limit list=N`, or `[limits]` in ltsc.toml, raises it.",
     ),
-    code(
+    remark(
         "loss-approximated",
         "A target says something nearly, not exactly, as the scene means it.\nThe note gives the bound and how it was found. `ltsc explain --target NAME` shows the whole table.",
     ),
-    code(
+    remark(
         "loss-baked",
         "Something was computed before it was written: a transform into vertices, or normals.\nThe image stays the same.",
     ),
-    code(
+    remark(
         "loss-dropped",
         "A target cannot say something, and it was left out.\n`ltsc explain --target NAME` shows what a target can say.",
     ),
-    code("mesh-file", "A mesh file was read, and something in it was changed or left out."),
+    remark("mesh-file", "A mesh file was read, and something in it was changed or left out."),
     code("misplaced-name", "A setting that has no name was given one."),
     code("misplaced-parameters", "A declaration that cannot be a function has parameters."),
     code("misplaced-statement", "A statement stands where it means nothing: a second scene, or a shape in a library."),
@@ -109,7 +124,7 @@ pub const CODES: &[Code] = &[
         "A scene lacks its camera, film, integrator or sampler.\nThey are the defaults that test cases replace.",
     ),
     code("missing-unit", "An angle has no unit.\nWrite `45deg` or `0.5rad`; the unit touches the number."),
-    code(
+    remark(
         "missing-version",
         "A file does not say its version of the language.\nThe newest is assumed; write `lts 1` first so that the file keeps its meaning.",
     ),
@@ -135,7 +150,7 @@ pub const CODES: &[Code] = &[
         "second-environment",
         "A scene has two environments.\nMitsuba refuses the second; two constant ones are one with the sum of their radiances.",
     ),
-    code(
+    remark(
         "shadows-builtin",
         "A function has the name of a constructor or function of the language, and takes its place.\nIt is allowed: a version of the language that adds names does not break scenes that have them already.",
     ),
@@ -167,7 +182,7 @@ pub const CODES: &[Code] = &[
         "There is no value of this name.\nNames are declared before they are used; names of other files come by `use`.",
     ),
     code("unknown-parameter", "A parameter was set that the scene does not declare."),
-    code("unknown-rule", "A suppression names no rule."),
+    remark("unknown-rule", "A suppression names no rule."),
     code("unknown-type", "A parameter has an unknown type."),
     code(
         "unknown-unit",
@@ -175,7 +190,7 @@ pub const CODES: &[Code] = &[
     ),
     code("unknown-version", "The file is written in a version of the language that this compiler does not know."),
     code("unreadable-file", "A file is missing, too large, or cannot be read."),
-    code(
+    remark(
         "unused-allow",
         "A suppression suppresses nothing.\nRemove it, so that the finding is shown if it comes back.",
     ),

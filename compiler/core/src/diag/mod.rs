@@ -114,6 +114,17 @@ pub struct Finding {
     pub notes: Vec<String>,
     /// What to write instead.
     pub help: Option<String>,
+    /// Why the scene wants it, where its severity is [`Severity::Allow`] by an `allow` of the scene.
+    pub suppression: Option<Suppression>,
+}
+
+/// An `allow` of a scene that covers a finding.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Suppression {
+    /// Where it stands.
+    pub span: Span,
+    /// The reason that it gives.
+    pub reason: String,
 }
 
 impl Finding {
@@ -128,6 +139,7 @@ impl Finding {
             labels: Vec::new(),
             notes: Vec::new(),
             help: None,
+            suppression: None,
         }
     }
 

@@ -43,7 +43,7 @@ mod unused_name;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
-use crate::diag::{Finding, Label, Origin, Severity, Span};
+use crate::diag::{CODES, Finding, Label, Origin, Severity, Span, nearest};
 use crate::ir::{Camera, Documentation, Handle, Mesh, Scene};
 use crate::mesh::{Faults, View, faults, is_closed};
 use crate::survey::Survey;
@@ -220,8 +220,95 @@ pub static RULES: &[Rule] = &[
     unused_name::RULE,
 ];
 
-/// Levels that differ from the built-in ones, by code.
-pub type Levels = BTreeMap<String, Level>;
+/// Levels that differ from the built-in ones.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Levels {
+    codes: BTreeMap<&'static str, Level>,
+    /// What becomes of everything that would be a warning.
+    warnings: Option<Level>,
+}
+
+/// Why something has no level to be chosen.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LevelError {
+    /// What is wrong.
+    pub message: String,
+    /// What to write instead.
+    pub help: String,
+}
+
+impl Levels {
+    /// Names that stand for several codes, with what they mean.
+    pub const GROUPS: &[(&str, &str)] =
+        &[("all", "every rule"), ("warnings", "everything that would be a warning, rule or not")];
+
+    /// Chooses the level of a rule, of another warning or remark, or of a group.
+    ///
+    /// # Errors
+    /// There is no such code, or it is always an error.
+    pub fn set(&mut self, name: &str, level: Level) -> Result<(), LevelError> {
+        match name {
+            "all" => self.codes.extend(RULES.iter().map(|rule| (rule.id, level))),
+            "warnings" => self.warnings = Some(level),
+            _ => {
+                self.codes.insert(has_level(name)?, level);
+            }
+        }
+        Ok(())
+    }
+
+    /// The level of `rule`.
+    pub fn of(&self, rule: &Rule) -> Level {
+        let level = self.codes.get(rule.id).copied().unwrap_or(rule.level);
+        if level == Level::Warn { self.warnings.unwrap_or(level) } else { level }
+    }
+
+    /// Whether `rule` looks at a scene at all where only `targets` are asked for.
+    pub fn ask(&self, rule: &Rule, targets: &[&str]) -> bool {
+        rule.concerns(targets) && self.of(rule) != Level::Allow
+    }
+
+    /// Gives findings that no rule made, and that are no errors, the levels chosen for them.
+    pub fn judge(&self, findings: &mut [Finding]) {
+        let open = |finding: &&mut Finding| finding.severity != Severity::Error && find(finding.id).is_none();
+        for finding in findings.iter_mut().filter(open) {
+            if let Some(level) = self.codes.get(finding.id) {
+                finding.severity = level.severity();
+            }
+            if let Some(level) = self.warnings.filter(|_| finding.severity == Severity::Warn) {
+                finding.severity = level.severity();
+            }
+        }
+    }
+}
+
+/// The code called `name`, if its level can be chosen.
+fn has_level(name: &str) -> Result<&'static str, LevelError> {
+    if let Some(rule) = find(name) {
+        return Ok(rule.id);
+    }
+    match CODES.iter().find(|code| code.id == name) {
+        Some(code) if code.leveled => Ok(code.id),
+        Some(code) => Err(LevelError {
+            message: format!("`{}` is always an error", code.id),
+            help: "levels are chosen for rules, warnings and remarks".to_owned(),
+        }),
+        None => {
+            let codes = CODES.iter().filter(|code| code.leveled).map(|code| code.id);
+            let known =
+                RULES.iter().map(|rule| rule.id).chain(codes).chain(Levels::GROUPS.iter().map(|(name, _)| *name));
+            Err(LevelError {
+                message: format!("there is no rule `{name}`"),
+                help: match nearest(name, known) {
+                    Some(similar) => format!("did you mean `{similar}`?"),
+                    None => {
+                        "`ltsc explain` lists the rules and other findings; `all` and `warnings` are groups".to_owned()
+                    }
+                },
+            })
+        }
+    }
+}
 
 /// Where a rule puts what it finds.
 struct Report {
@@ -293,12 +380,8 @@ pub fn find(id: &str) -> Option<&'static Rule> {
 pub fn lint(scene: &Scene, around: &Around, levels: &Levels, targets: &[&str]) -> Vec<Finding> {
     let subject = Subject::of(scene, around);
     let mut findings = Vec::new();
-    for rule in RULES.iter().filter(|rule| rule.concerns(targets)) {
-        let level = levels.get(rule.id).copied().unwrap_or(rule.level);
-        if level == Level::Allow {
-            continue;
-        }
-        let mut report = Report { id: rule.id, severity: level.severity(), findings: Vec::new() };
+    for rule in RULES.iter().filter(|rule| levels.ask(rule, targets)) {
+        let mut report = Report { id: rule.id, severity: levels.of(rule).severity(), findings: Vec::new() };
         (rule.check)(&subject, &mut report);
         findings.extend(report.merged(&scene.origin));
     }

@@ -1,13 +1,19 @@
 //! Exit codes, and findings as people and programs read them.
 
+mod github;
+mod located;
+mod sarif;
+
 use std::io::Write;
 use std::process::ExitCode;
 
-use ltsc_core::diag::{Finding, Origin, Severity, Sources, Span};
+use ltsc_core::diag::{Finding, Severity};
 use serde_json::{Value, json};
 
 use crate::args::Format;
 use crate::terminal;
+
+pub use located::Located;
 
 /// What the process says when it ends; the numbers are part of the command line's contract.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -28,18 +34,23 @@ pub enum Exit {
 
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> Self {
-        Self::from(match exit {
-            Exit::Done => 0,
-            Exit::No => 1,
-            Exit::Usage => 2,
-            Exit::Input => 3,
-            Exit::Environment => 4,
-            Exit::Fault => 70,
-        })
+        Self::from(exit.code())
     }
 }
 
 impl Exit {
+    /// The number.
+    pub fn code(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::No => 1,
+            Self::Usage => 2,
+            Self::Input => 3,
+            Self::Environment => 4,
+            Self::Fault => 70,
+        }
+    }
+
     /// The exit code that findings of this severity lead to.
     pub fn of(severity: Severity) -> Self {
         match severity {
@@ -47,6 +58,11 @@ impl Exit {
             Severity::Deny => Self::No,
             Severity::Error => Self::Input,
         }
+    }
+
+    /// The exit code that a finding leads to.
+    pub fn of_finding(finding: &Finding) -> Self {
+        if finding.id == ltsc_core::pipeline::FAULT { Self::Fault } else { Self::of(finding.severity) }
     }
 }
 
@@ -68,9 +84,17 @@ impl Failure {
         self
     }
 
-    /// One document for programs.
-    pub fn json(&self) -> String {
-        format!("{:#}\n", json!({ "error": { "message": self.message, "help": self.help } }))
+    /// What programs read in place of the answer; nothing for forms that people read.
+    pub fn print(&self, format: Format) {
+        match format {
+            Format::Json => {
+                let document = json!({ "error": { "message": self.message, "help": self.help } });
+                terminal::print(&format!("{document:#}\n"));
+            }
+            Format::Sarif => terminal::print(&format!("{:#}\n", sarif::failure(self))),
+            Format::Github => terminal::print(&github::failure(self)),
+            Format::Human | Format::Short => {}
+        }
     }
 
     /// Says what went wrong and gives the exit code.
@@ -80,68 +104,6 @@ impl Failure {
             terminal::help(help);
         }
         self.exit
-    }
-}
-
-/// A finding with the text that its spans lie in.
-pub struct Located<'s> {
-    pub finding: Finding,
-    pub sources: &'s Sources,
-}
-
-impl Located<'_> {
-    /// Path, line and column; zeros where there is no such thing.
-    fn place(&self) -> (String, usize, usize) {
-        match &self.finding.origin {
-            Origin::Text(span) => {
-                let at = self.sources.position(span.file, span.start);
-                (self.sources.get(span.file).path.clone(), at.line, at.column)
-            }
-            Origin::File { path, .. } => (path.clone(), 0, 0),
-            Origin::Made => (String::new(), 0, 0),
-        }
-    }
-
-    /// What makes two findings the same: a library's is found once for each scene that uses it.
-    pub fn key(&self) -> (String, usize, usize, &'static str, String) {
-        let (path, line, column) = self.place();
-        (path, line, column, self.finding.id, self.finding.message.clone())
-    }
-
-    fn short(&self) -> String {
-        let (path, line, column) = self.place();
-        let place = match (path.as_str(), line) {
-            ("", _) => String::new(),
-            (path, 0) => format!("{path}: "),
-            (path, line) => format!("{path}:{line}:{column}: "),
-        };
-        let Finding { id, severity, message, .. } = &self.finding;
-        let line = format!("{place}{}[{id}]: {message}", severity_word(*severity));
-        terminal::harmless(&line).replace('\n', " ")
-    }
-
-    fn span_json(&self, span: Span) -> Value {
-        let (from, to) = (self.sources.position(span.file, span.start), self.sources.position(span.file, span.end));
-        json!({
-            "path": self.sources.get(span.file).path,
-            "line": from.line, "column": from.column, "end_line": to.line, "end_column": to.column,
-        })
-    }
-
-    /// The stable JSON form.
-    pub fn json(&self) -> Value {
-        let Finding { id, severity, message, origin, label, labels, notes, help } = &self.finding;
-        let place = match origin {
-            Origin::Text(span) => self.span_json(*span),
-            Origin::File { path, place } => json!({ "path": path, "place": place }),
-            Origin::Made => Value::Null,
-        };
-        let labels: Vec<Value> =
-            labels.iter().map(|label| json!({ "place": self.span_json(label.span), "text": label.text })).collect();
-        json!({
-            "id": id, "severity": severity, "message": message, "place": place, "label": label,
-            "labels": labels, "notes": notes, "help": help,
-        })
     }
 }
 
@@ -192,6 +154,7 @@ impl Counts {
 /// standard output. Findings that are allowed, and remarks where `quiet`, are not shown to people.
 pub fn findings(all: &[Located<'_>], format: Format, to_stdout: bool, quiet: bool) {
     let least = if quiet { Severity::Warn } else { Severity::Info };
+    let shown = all.iter().filter(|located| located.finding.severity >= least);
     match format {
         Format::Json => {
             let counts = Counts::of(all.iter().map(|located| &located.finding));
@@ -202,21 +165,20 @@ pub fn findings(all: &[Located<'_>], format: Format, to_stdout: bool, quiet: boo
             });
             terminal::print(&format!("{document:#}\n"));
         }
-        Format::Short | Format::Human => {
-            let mut text = String::new();
-            for located in all.iter().filter(|located| located.finding.severity >= least) {
-                if format == Format::Short {
-                    text.push_str(&located.short());
-                    text.push('\n');
-                } else {
-                    text.push_str(&terminal::graphical(&located.finding, located.sources, to_stdout));
-                }
-            }
-            if to_stdout {
-                terminal::print(&text);
-            } else {
-                let _written = std::io::stderr().write_all(text.as_bytes());
-            }
+        Format::Sarif => terminal::print(&format!("{:#}\n", sarif::document(all))),
+        Format::Github => terminal::print(&shown.map(github::line).collect::<String>()),
+        Format::Short => people(&shown.map(|located| located.short() + "\n").collect::<String>(), to_stdout),
+        Format::Human => {
+            let graphical = |located: &Located<'_>| terminal::graphical(&located.finding, located.sources, to_stdout);
+            people(&shown.map(graphical).collect::<String>(), to_stdout);
         }
+    }
+}
+
+fn people(text: &str, to_stdout: bool) {
+    if to_stdout {
+        terminal::print(text);
+    } else {
+        let _written = std::io::stderr().write_all(text.as_bytes());
     }
 }
