@@ -7,6 +7,7 @@ mod geometry;
 mod gltf;
 mod golden;
 mod outputs;
+mod page_cases;
 mod render;
 mod thesis;
 mod tidy;
