@@ -24,6 +24,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("lint", &["ir", "mesh", "survey", "diag"]),
     ("capability", &["ir", "mesh", "diag"]),
     ("formats", &["ir", "mesh", "valid", "capability", "diag", "files"]),
+    ("manual", &["capability", "diag", "eval", "formats", "ir", "lint", "syntax"]),
     ("pipeline", &["capability", "diag", "eval", "files", "formats", "ir", "lint", "lower", "syntax", "valid"]),
 ];
 

@@ -98,6 +98,13 @@ pub enum Command {
         after_help = "Examples:\n  ltsc explain smooth-emitter\n  ltsc explain diffuse\n  ltsc explain --target luxcore\n  ltsc explain            (lists what can be explained)"
     )]
     Explain(Explain),
+    /// Print the reference manual in Markdown, or write it.
+    ///
+    /// Made from the tables that the compiler itself runs on: the language with every constructor, the findings, the targets.
+    #[command(
+        after_help = "Examples:\n  ltsc manual                  (lists the pages)\n  ltsc manual reference | less\n  ltsc manual -o docs\n  ltsc manual -o docs --check  (exit 1 where a file is not what it would become)"
+    )]
+    Manual(Manual),
     /// Print the completions of a shell.
     #[command(after_help = "Example:\n  ltsc completions bash > ~/.local/share/bash-completion/completions/ltsc")]
     Completions {
@@ -327,4 +334,17 @@ pub struct Explain {
     /// What a target can say, and how exactly.
     #[arg(long, value_name = "TARGET")]
     pub target: Option<String>,
+}
+
+#[derive(Args, Debug)]
+pub struct Manual {
+    /// The page: `reference`, `findings`, `targets`.
+    #[arg(conflicts_with = "output")]
+    pub page: Option<String>,
+    /// Write all pages into this folder, each as `<page>.md`.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Write nothing; exit with 1 and name the files where the folder is not what it would become.
+    #[arg(long, requires = "output")]
+    pub check: bool,
 }
