@@ -2,6 +2,7 @@
 
 mod cases;
 mod cli;
+mod fixes;
 mod format;
 mod geometry;
 mod gltf;
