@@ -9,6 +9,7 @@ mod gltf;
 mod golden;
 mod outputs;
 mod page_cases;
+mod pre_commit;
 mod render;
 mod thesis;
 mod tidy;
