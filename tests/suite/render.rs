@@ -410,9 +410,9 @@ fn textures_lie_the_right_way_up_and_are_decoded() {
     let decode = |x: f64| if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
     // A pixel in the middle of each quarter: four pixels of the image away from its neighbours.
     let places = [(1, 1), (6, 1), (1, 6), (6, 6)];
-    for renderer in ["mitsuba-3", "luxcore"] {
+    for renderer in ["mitsuba-3", "luxcore", "cycles"] {
         if !there(renderer) {
-            return skip("textures", "`ltsc renderers install mitsuba-3 luxcore`");
+            return skip("textures", &format!("`ltsc renderers install {renderer}`"));
         }
         let folder = tempfile::tempdir().expect("a folder");
         for file in ["quads.png", "quads.pfm"] {

@@ -10,8 +10,8 @@ use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Line};
 use crate::formats::{self, Emission};
 use crate::ir::{
-    Affine, Axes, Bsdf, Camera, Color, Emission as Light, Film, Filter, Group, Instance, Integrator, LightKind,
-    LightSource, Material, Sampler, Scene, Shape, Vec3, cross, normalized, sub,
+    Affine, Axes, Bsdf, Camera, Color, ColorOrTexture, Emission as Light, Encoding, Film, Filter, Group, Instance,
+    Integrator, LightKind, LightSource, Material, Sampler, Scene, Shape, Texture, Vec3, cross, normalized, sub,
 };
 
 /// Writes all files of the target.
@@ -27,7 +27,7 @@ pub fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
         writeln!(out, "scene({})", literal(&scene.name))?;
         settings(scene, out)?;
         view(scene, &scene.cameras[emission.camera], out)?;
-        description(scene, emission.meshes, out)?;
+        description(emission, out)?;
         writeln!(out, "\nif __name__ == \"__main__\":\n    finish()")
     })
 }
@@ -78,13 +78,24 @@ fn along(direction: Vec3) -> String {
     axes(x, cross(z, x), z)
 }
 
-fn description(scene: &Scene, meshes: &str, out: &mut dyn Write) -> io::Result<()> {
-    let materials = Words::default().assign(scene.materials.values().map(|material| material.name.as_str()));
+fn description(emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let (scene, meshes): (&Scene, &str) = (emission.scene, emission.meshes);
+    let textures = Words::default().assign(scene.textures.values().map(|texture| texture.name.as_str()));
     writeln!(out)?;
+    for ((item, id), file) in scene.textures.values().zip(&textures).zip(formats::texture_files(scene)) {
+        let Texture { name, file: _, image: _, encoding } = item;
+        comment(name, id, out)?;
+        let linear = match encoding {
+            Encoding::Srgb => "",
+            Encoding::Linear => ", linear=True",
+        };
+        writeln!(out, "texture({}, {}{linear})", literal(id), literal(&format!("{}{file}", emission.textures)))?;
+    }
+    let materials = Words::default().assign(scene.materials.values().map(|material| material.name.as_str()));
     for (item, id) in scene.materials.values().zip(&materials) {
         let Material { name, bsdf } = item;
         comment(name, id, out)?;
-        writeln!(out, "material({}, {})", literal(id), surface(bsdf))?;
+        writeln!(out, "material({}, {})", literal(id), surface(bsdf, &textures))?;
     }
     let files = formats::mesh_files(scene);
     let mut used = vec![false; scene.meshes.len()];
@@ -139,9 +150,17 @@ impl Known<'_> {
     }
 }
 
-fn surface(bsdf: &Bsdf) -> String {
+/// A color, or the name of the texture that says it.
+fn paint(value: &ColorOrTexture, textures: &[String]) -> String {
+    match value {
+        ColorOrTexture::Color(color) => rgb(color),
+        ColorOrTexture::Texture(texture) => literal(&textures[texture.index()]),
+    }
+}
+
+fn surface(bsdf: &Bsdf, textures: &[String]) -> String {
     match bsdf {
-        Bsdf::Diffuse { reflectance } => format!("diffuse({})", rgb(reflectance)),
+        Bsdf::Diffuse { reflectance } => format!("diffuse({})", paint(reflectance, textures)),
         Bsdf::Conductor { eta, k, alpha } => {
             format!("conductor(eta={}, k={}, alpha={})", rgb(eta), rgb(k), Num(*alpha))
         }
