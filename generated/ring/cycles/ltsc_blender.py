@@ -19,6 +19,7 @@ import mathutils
 import numpy
 
 FOLDER = os.path.dirname(os.path.abspath(__file__))
+textures = {}
 materials = {}
 meshes = {}
 groups = {}
@@ -138,6 +139,13 @@ class Nodes:
         return node
 
     def set(self, socket, value):
+        if isinstance(value, str):
+            # The name of a texture.
+            node = self.tree.nodes.new("ShaderNodeTexImage")
+            node.image = textures[value]
+            node.interpolation = "Linear"
+            node.extension = "REPEAT"
+            value = node.outputs["Color"]
         if isinstance(value, bpy.types.NodeSocket):
             self.tree.links.new(value, socket)
         elif socket.type == "RGBA":
@@ -148,6 +156,16 @@ class Nodes:
     def end(self, surface):
         self.new("ShaderNodeOutputMaterial", Surface=surface)
         return self.material
+
+
+def texture(name, file, linear=False):
+    """An image, below or beside the folder of this file, by the mesh's coordinates; (0, 0) is its lower left corner."""
+    it = bpy.data.images.load(os.path.join(FOLDER, file))
+    it.name = name
+    it.colorspace_settings.name = "Non-Color" if linear else "sRGB"
+    # Alpha means nothing to a surface.
+    it.alpha_mode = "CHANNEL_PACKED"
+    textures[name] = it
 
 
 def material(name, surface):
