@@ -51,3 +51,17 @@ pub enum Bsdf {
         reflectance: Color,
     },
 }
+
+impl Bsdf {
+    /// What kind of scattering it is, in words.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Diffuse { reflectance: _ } => "diffuse",
+            Self::Conductor { eta: _, k: _, alpha } if *alpha == 0.0 => "smooth conductor",
+            Self::Conductor { eta: _, k: _, alpha: _ } => "rough conductor",
+            Self::Dielectric { interior: _, exterior: _, alpha } if *alpha == 0.0 => "smooth dielectric",
+            Self::Dielectric { interior: _, exterior: _, alpha: _ } => "rough dielectric",
+            Self::Mirror { reflectance: _ } => "mirror",
+        }
+    }
+}
