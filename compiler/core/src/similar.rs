@@ -143,8 +143,7 @@ fn paths_of(classes: &[String]) -> Option<BTreeSet<String>> {
 }
 
 fn path_weight(path: &str) -> f64 {
-    // A path has at most `LONGEST` letters.
-    0.5_f64.powi(path.len() as i32)
+    path.chars().fold(1.0, |weight, _| weight * 0.5)
 }
 
 /// Words of a text in small letters, without the `s` of plurals.
