@@ -33,7 +33,7 @@ pub fn run(command: &Similar) -> Result<Exit, Failure> {
     }
     // Findings of the scene itself are lint's business, except for what keeps it from being a scene.
     let unlinted = unlinted(&command.findings);
-    let mut own = check(&project, &[command.scene.clone()], &unlinted, Overrides::default(), &[])?;
+    let mut own = check(&project, std::slice::from_ref(&command.scene), &unlinted, Overrides::default(), &[])?;
     let Some(scene) = own.first_mut().and_then(|file| file.checked.scene.take()) else {
         let (exit, _) = report(&own, Vec::new(), command.findings.format, false, true);
         if exit != Exit::Done {
