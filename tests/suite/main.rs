@@ -3,6 +3,7 @@
 mod cases;
 mod cli;
 mod format;
+mod gallery;
 mod geometry;
 mod gltf;
 mod golden;
