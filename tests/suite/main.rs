@@ -2,6 +2,7 @@
 
 mod cases;
 mod cli;
+mod fixes;
 mod format;
 mod gallery;
 mod geometry;
@@ -9,6 +10,7 @@ mod gltf;
 mod golden;
 mod outputs;
 mod page_cases;
+mod pre_commit;
 mod render;
 mod thesis;
 mod tidy;
