@@ -55,7 +55,7 @@ pub(super) fn find(junk: &str, offset: usize, at: &dyn Fn(usize, usize) -> Span)
     };
     let found = seen.brackets(at).or_else(|| seen.numbers()).or_else(|| seen.equals(at)).or_else(|| seen.words());
     found.map(|found| match found {
-        Found::Whole(finding) => finding,
+        Found::Whole(finding) => *finding,
         Found::Here { length, message, label, help } => {
             let finding = Finding::error("syntax-error", at(offset, length.max(1)), message).help(help);
             if label.is_empty() { finding } else { finding.label(label) }
@@ -64,7 +64,7 @@ pub(super) fn find(junk: &str, offset: usize, at: &dyn Fn(usize, usize) -> Span)
 }
 
 enum Found {
-    Whole(Finding),
+    Whole(Box<Finding>),
     Here { length: usize, message: String, label: &'static str, help: String },
 }
 
@@ -97,7 +97,7 @@ impl Seen<'_> {
                     Finding::error("syntax-error", at(offset, 1), format!("`{opened}` is closed by `{closing}`"))
                         .label(format!("expected `{right}`"))
                         .also(at(place, 1), "opened here");
-                return Some(Found::Whole(finding));
+                return Some(Found::Whole(Box::new(finding)));
             }
         }
         if rest.starts_with('{') && first != "if" && holds_word(before, "if") {
@@ -193,11 +193,10 @@ impl Seen<'_> {
         };
         let place = missing.as_ptr() as usize - junk.as_ptr() as usize;
         let value = token(missing);
-        Some(Found::Whole(
-            Finding::error("syntax-error", at(place, value.len().max(1)), "a `=` is missing")
-                .label("before this")
-                .help(format!("write `{first}{name} = {}...`", clip(value))),
-        ))
+        let finding = Finding::error("syntax-error", at(place, value.len().max(1)), "a `=` is missing")
+            .label("before this")
+            .help(format!("write `{first}{name} = {}...`", clip(value)));
+        Some(Found::Whole(Box::new(finding)))
     }
 
     fn words(&self) -> Option<Found> {
