@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use super::names;
+use super::{fresnel, names};
 use crate::files::Sink;
 use crate::formats::shared::camera;
 use crate::formats::shared::names::{Words, file_stem};
@@ -229,10 +229,18 @@ fn material(bsdf: &Bsdf, id: &str, textures: &[String], out: &mut dyn Write) -> 
             // The square of this is the width's square in the GGX distribution (measured with 2.11.2).
             put("uroughness", &Num(*alpha).to_string())?;
             put("vroughness", &Num(*alpha).to_string())?;
+            let (eta, k) = (eta.rgb(), k.rgb());
+            writeln!(
+                out,
+                "# eta {}, k {}: n and k are fitted, LuxCore's Fresnel term being its own",
+                row(&eta),
+                row(&k)
+            )?;
+            let fits = [0, 1, 2].map(|channel| fresnel::fit(eta[channel], k[channel]));
             let mut put = |name: &str, value: &str| set(out, &format!("scene.textures.{id}_fresnel.{name}"), value);
             put("type", "\"fresnelconst\"")?;
-            put("n", &rgb(eta))?;
-            put("k", &rgb(k))
+            put("n", &row(&fits.map(|fit| fit.n)))?;
+            put("k", &row(&fits.map(|fit| fit.k)))
         }
         Bsdf::Dielectric { interior, exterior, alpha } => {
             put("type", if *alpha == 0.0 { "\"glass\"" } else { "\"roughglass\"" })?;
