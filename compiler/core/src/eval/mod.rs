@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 use crate::diag::{Finding, Severity, Sources, Span};
 use crate::files::{Files, VPath};
-use crate::ir::{Affine, Documentation, Scene};
+use crate::ir::{Affine, Arena, Documentation, Scene, Texture};
 
 pub use limits::{Limit, Limits, parse_amount};
 pub use table::{Constructor, Family, Parameter, table};
@@ -147,8 +147,10 @@ struct Interpreter<'f> {
     /// Files whose evaluation has not ended, outermost first.
     loading: Vec<VPath>,
     inputs: BTreeMap<VPath, crate::files::Bytes>,
-    /// Meshes and tables read from files, by constructor, path and part.
-    meshes: BTreeMap<(&'static str, VPath, Option<String>), value::Value>,
+    /// Meshes, tables and textures read from files, by constructor, path, and part or encoding.
+    read: BTreeMap<(&'static str, VPath, Option<String>), value::Value>,
+    /// Textures so far, used or not.
+    textures: Arena<Texture>,
     /// Places read from files.
     scattered: BTreeMap<VPath, Arc<[Affine]>>,
     /// Calls and iterations up to now.
@@ -176,7 +178,8 @@ impl<'f> Interpreter<'f> {
             modules: BTreeMap::new(),
             loading: Vec::new(),
             inputs: BTreeMap::new(),
-            meshes: BTreeMap::new(),
+            read: BTreeMap::new(),
+            textures: Arena::default(),
             scattered: BTreeMap::new(),
             steps: 0,
             triangles: 0,
