@@ -26,8 +26,8 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
         };
         // Of opposite faces a closed body hides the other: nobody sees the underside of a box.
         let open = || uses.iter().all(|placed| !subject.is_closed(placed.shape.mesh));
-        let same = contact.same.coplanar > 0.0;
-        if !same && !(contact.opposite.coplanar > 0.0 && open()) {
+        let seen = contact.same.coplanar > 0.0 || contact.opposite.coplanar > 0.0 && open();
+        if !seen {
             continue;
         }
         let [one, other] = uses;
