@@ -118,7 +118,8 @@ fn by_force(survey: &Survey<'_>) -> Vec<([usize; 2], [f64; 2])> {
         for other in one + 1..triangles.len() {
             let [a, b] = [one, other].map(|at| &survey.placed[at]);
             let opaque = [a, b].iter().all(|placed| role(survey, placed) == Role::Opaque);
-            if opaque && a.shape.material == b.shape.material {
+            let [first, second] = [a, b].map(|placed| &survey.scene.materials[placed.shape.material].bsdf);
+            if opaque && first == second {
                 continue;
             }
             // Far between the gaps that occur, and those that do not.
@@ -144,7 +145,7 @@ fn by_force(survey: &Survey<'_>) -> Vec<([usize; 2], [f64; 2])> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(16))]
+    #![proptest_config(ProptestConfig::with_cases(24))]
     #[test]
     fn nothing_is_missed(items in prop::collection::vec((0_u8..4, any::<[u8; 3]>(), 0_u8..4, any::<bool>()), 2..12)) {
         let mut text = String::from(
