@@ -23,6 +23,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("valid", &["ir", "mesh", "diag"]),
     ("lower", &["ir", "mesh", "diag"]),
     ("survey", &["ir", "diag"]),
+    ("similar", &["ir"]),
     ("contact", &["ir", "survey"]),
     ("lint", &["ir", "mesh", "survey", "contact", "diag"]),
     ("capability", &["ir", "mesh", "diag"]),
