@@ -1,3 +1,5 @@
+//! Contacts of small scenes, and of random ones against every pair of triangles.
+
 use super::overlap::{Distances, Triangle, overlap};
 use super::*;
 use crate::diag::Sources;
