@@ -61,3 +61,9 @@ fn the_manual_is_what_ltsc_says() {
         run(ltsc().args(if bless() { &["manual", "-o", "docs"][..] } else { &["manual", "-o", "docs", "--check"] }));
     assert_eq!(ran.code, Some(0), "run `cargo run -- manual -o docs`\n{}{}", ran.out, ran.err);
 }
+
+#[test]
+fn the_catalogue_is_what_ltsc_says() {
+    let ran = run(ltsc().args(if bless() { &["doc"][..] } else { &["doc", "--check"] }));
+    assert_eq!(ran.code, Some(0), "run `cargo run -- doc`\n{}{}", ran.out, ran.err);
+}

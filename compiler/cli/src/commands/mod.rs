@@ -3,6 +3,7 @@
 mod build;
 mod completions;
 mod diff;
+mod doc;
 mod emit;
 mod explain;
 mod fixes;
@@ -12,6 +13,7 @@ mod manual;
 mod render;
 mod renderers;
 mod shared;
+mod stats;
 
 use crate::args::{Arguments, Command, Format, RenderersAction};
 use crate::output::Exit;
@@ -30,6 +32,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Diff(command) => diff::run(&command),
         Command::Renderers(command) => renderers::run(&command),
         Command::Explain(command) => explain::run(&command),
+        Command::Doc(command) => doc::run(&command),
         Command::Manual(command) => manual::run(&command),
         Command::Completions { shell } => completions::run(shell),
     };
@@ -53,6 +56,8 @@ fn format_of(command: &Command) -> Format {
             RenderersAction::List { format } => format,
             RenderersAction::Install { .. } => Format::Human,
         },
-        Command::Fmt(_) | Command::Explain(_) | Command::Manual(_) | Command::Completions { .. } => Format::Human,
+        Command::Fmt(_) | Command::Explain(_) | Command::Doc(_) | Command::Manual(_) | Command::Completions { .. } => {
+            Format::Human
+        }
     }
 }

@@ -10,6 +10,8 @@
 //! Local sampling (path tracing, light tracing, bidirectional path tracing) finds a path only where two neighbouring letters
 //! of its full form are `D`: they can be connected, or met by chance. `G` counts as `D`: a glossy lobe has an extent.
 
+use std::collections::BTreeSet;
+
 /// A class of light paths.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LightPaths {
@@ -78,6 +80,32 @@ impl LightPaths {
         self.form.begins() && self.form.ends()
     }
 
+    /// Whether the path with these letters, written from the light to the eye (`LSDE`), is one of the class, or has a part of
+    /// it where the class is one of parts.
+    pub fn holds(&self, path: &str) -> bool {
+        let inner = path.trim_start_matches('L').trim_end_matches('E');
+        if !self.full {
+            return self.form.found_in(path);
+        }
+        let ends = |first: &str| {
+            ["SDE", "DDE", "SSE", "DSE"].iter().any(|last| self.form.found_in(&format!("{first}{inner}{last}")))
+        };
+        ["LDD", "LDS", "LSD", "LSS"].iter().any(|first| ends(first))
+    }
+
+    /// The full form of the class that `text` writes, for lights of `kind` and a pinhole camera.
+    pub fn full_form(&self, text: &str, kind: LightExtent) -> String {
+        if self.full {
+            return text.trim().to_owned();
+        }
+        let light = match kind {
+            LightExtent::Area => "LDD ",
+            LightExtent::Point => "LSD ",
+        };
+        let spelled = text.replace('L', light).replace('E', " DSE");
+        spelled.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
     /// Whether local sampling finds every path of the class, where lights are of `kind` and the camera is a pinhole.
     pub fn is_found_by_local_sampling(&self, kind: LightExtent) -> bool {
         let mut machine = Machine { full: self.full, kind };
@@ -94,6 +122,34 @@ impl Form {
             Self::Sequence(parts) => parts.first().is_some_and(Self::begins),
             Self::Either(ways) => ways.iter().all(Self::begins),
             Self::Repeated(..) => false,
+        }
+    }
+
+    /// Whether a path, or a part of it, is of this form. `L` and `E` stand at its ends only.
+    fn found_in(&self, path: &str) -> bool {
+        let letters: Vec<char> = path.chars().collect();
+        let everywhere: BTreeSet<usize> = (0..=letters.len()).collect();
+        !self.follow(&letters, &everywhere).is_empty()
+    }
+
+    /// Where in `letters` paths of this form can end that begin at one of `from`.
+    fn follow(&self, letters: &[char], from: &BTreeSet<usize>) -> BTreeSet<usize> {
+        match self {
+            Self::Letter(letter, _) => {
+                from.iter().filter(|at| letters.get(**at) == Some(letter)).map(|at| at + 1).collect()
+            }
+            Self::Sequence(parts) => parts.iter().fold(from.clone(), |from, part| part.follow(letters, &from)),
+            Self::Either(ways) => ways.iter().flat_map(|way| way.follow(letters, from)).collect(),
+            Self::Repeated(part, once) => {
+                let mut reached = if *once { part.follow(letters, from) } else { from.clone() };
+                loop {
+                    let further: BTreeSet<usize> = reached.union(&part.follow(letters, &reached)).copied().collect();
+                    if further.len() == reached.len() {
+                        return reached;
+                    }
+                    reached = further;
+                }
+            }
         }
     }
 
@@ -308,6 +364,20 @@ mod tests {
         assert!(found("LGGE", LightExtent::Point));
         let whole = |text: &str| LightPaths::parse(text).is_ok_and(|class| class.is_whole());
         assert!(whole("LDE") && whole("(LD|LS)(DE|SE)") && !whole("SDS") && !whole("LD") && !whole("(LD|S)E"));
+    }
+
+    #[test]
+    fn classes_hold_their_paths() {
+        let holds = |class: &str, path: &str| LightPaths::parse(class).expect("a class").holds(path);
+        assert!(holds("LDE", "LDE") && !holds("LDE", "LDDE") && !holds("LDE", "LGE"));
+        assert!(holds("LS+DE", "LSDE") && holds("LS+DE", "LSSSDE") && !holds("LS+DE", "LDE"));
+        assert!(holds("L(S|D)*E", "LE") && holds("L(S|D)*E", "LSDSE") && !holds("L(S|D)*E", "LSGE"));
+        assert!(holds("LDD S+ D DSE", "LSDE") && !holds("LDD S+ D DSE", "LDE") && !holds("LDD S+ D DSE", "LSDDE"));
+        assert!(holds("SDS", "LDSDSE") && !holds("SDS", "LSDDSE") && holds("LD", "LDSE") && !holds("LD", "LSDE"));
+        let full = |class: &str, kind| LightPaths::parse(class).expect("a class").full_form(class, kind);
+        assert_eq!(full("LS+DE", LightExtent::Area), "LDD S+D DSE");
+        assert_eq!(full("(LD|LS)DE", LightExtent::Point), "(LSD D|LSD S)D DSE");
+        assert_eq!(full("LDD S D DSE", LightExtent::Point), "LDD S D DSE");
     }
 
     proptest! {
