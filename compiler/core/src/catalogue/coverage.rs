@@ -16,10 +16,11 @@ fn classes() -> Vec<String> {
     all
 }
 
-/// Whether `scene` names a class that holds `path`; a class of parts of paths holds every path with such a part.
+/// Whether `scene` names a class that holds `path` (`LDE`); a class of parts of paths holds every path with such a part.
 fn tests(scene: &Scene, path: &str) -> bool {
+    let word = path.trim_start_matches('L').trim_end_matches('E');
     let paths = scene.documentation.paths.iter().filter_map(|text| LightPaths::parse(text).ok());
-    paths.into_iter().any(|class| class.holds(path))
+    paths.into_iter().any(|class| class.holds(word))
 }
 
 /// The table of classes by scenes, and the classes without a scene.

@@ -129,10 +129,11 @@ fn emitters(scene: &Scene, survey: &Survey<'_>) -> Vec<Emitter> {
         let emitter = &mut order[at];
         emitter.count += 1;
         emitter.area += area;
-        for channel in 0..3 {
-            emitter.strength.0[channel] = emitter.strength.0[channel].min(strength[channel]);
-            emitter.strength.1[channel] = emitter.strength.1[channel].max(strength[channel]);
-        }
+        let (low, high) = emitter.strength;
+        let pick = |choose: fn(f64, f64) -> f64, known: [f64; 3]| {
+            [0, 1, 2].map(|channel: usize| choose(known[channel], strength[channel]))
+        };
+        emitter.strength = (pick(f64::min, low), pick(f64::max, high));
         emitter.power = match (emitter.power, power) {
             (Some(all), Some(one)) => Some([0, 1, 2].map(|channel: usize| all[channel] + one[channel])),
             _ => None,

@@ -140,7 +140,7 @@ fn lights(emitters: &[Emitter]) -> String {
         };
         let strength = if low == high { channels(*low) } else { format!("{} to {}", channels(*low), channels(*high)) };
         let area = if *area > 0.0 { short(*area, 3) } else { String::new() };
-        let power = power.map_or(String::new(), |power| channels(power.map(|part| significant(part))));
+        let power = power.map_or(String::new(), |power| channels(power.map(significant)));
         text.push_str(&format!("| `{name}` | {} | {kind} | {strength} {unit} | {area} | {power} |\n", grouped(*count)));
     }
     more(&mut text, emitters.len());

@@ -60,7 +60,7 @@ fn a_soft_spot_has_the_integral_of_its_cone() {
         .map(|step| {
             let t = b * (f64::from(step) + 0.5) / f64::from(steps);
             let share = if t < a { 1.0 } else { (b - t) / (b - a) };
-            2.0 * std::f64::consts::PI * share * t.sin() * b / f64::from(steps)
+            2.0 * std::f64::consts::PI * share * libm::sin(t) * b / f64::from(steps)
         })
         .sum();
     assert!((strengths(10.0) / sum - 1.0).abs() < 1e-6);

@@ -10,8 +10,6 @@
 //! Local sampling (path tracing, light tracing, bidirectional path tracing) finds a path only where two neighbouring letters
 //! of its full form are `D`: they can be connected, or met by chance. `G` counts as `D`: a glossy lobe has an extent.
 
-use std::collections::BTreeSet;
-
 /// A class of light paths.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct LightPaths {
@@ -47,6 +45,12 @@ enum Form {
     Repeated(Box<Form>, bool),
 }
 
+/// Lights in the full form.
+const LIGHTS: &[&str] = &["LDD", "LDS", "LSD", "LSS"];
+
+/// Eyes in the full form.
+const EYES: &[&str] = &["SDE", "DDE", "SSE", "DSE"];
+
 /// How deep brackets may lie in each other.
 const DEPTH: usize = 32;
 
@@ -64,9 +68,7 @@ impl LightPaths {
         form.check_ends(true, true)?;
         let words: Vec<&str> = text.split_whitespace().collect();
         let spelled = |word: Option<&&str>, known: &[&str]| word.is_some_and(|word| known.contains(word));
-        let full = words.len() > 1
-            && spelled(words.first(), &["LDD", "LDS", "LSD", "LSS"])
-            && spelled(words.last(), &["SDE", "DDE", "SSE", "DSE"]);
+        let full = words.len() > 1 && spelled(words.first(), LIGHTS) && spelled(words.last(), EYES);
         Ok(Self { form, full })
     }
 
@@ -80,19 +82,6 @@ impl LightPaths {
         self.form.begins() && self.form.ends()
     }
 
-    /// Whether the path with these letters, written from the light to the eye (`LSDE`), is one of the class, or has a part of
-    /// it where the class is one of parts.
-    pub fn holds(&self, path: &str) -> bool {
-        let inner = path.trim_start_matches('L').trim_end_matches('E');
-        if !self.full {
-            return self.form.found_in(path);
-        }
-        let ends = |first: &str| {
-            ["SDE", "DDE", "SSE", "DSE"].iter().any(|last| self.form.found_in(&format!("{first}{inner}{last}")))
-        };
-        ["LDD", "LDS", "LSD", "LSS"].iter().any(|first| ends(first))
-    }
-
     /// The full form of the class that `text` writes, for lights of `kind` and a pinhole camera.
     pub fn full_form(&self, text: &str, kind: LightExtent) -> String {
         if self.full {
@@ -104,6 +93,34 @@ impl LightPaths {
         };
         let spelled = text.replace('L', light).replace('E', " DSE");
         spelled.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
+    /// The paths of the class with at most `longest` vertices between light and eye, as their letters `D`, `G`, `S`, the shorter ones
+    /// first. Of a class of parts, the paths that hold one.
+    pub fn paths(&self, longest: usize) -> Vec<String> {
+        let mut found = Vec::new();
+        let mut words = vec![String::new()];
+        for length in 0..=longest {
+            found.extend(words.iter().filter(|word| self.holds(word)).cloned());
+            if length < longest {
+                words = words.iter().flat_map(|word| ['D', 'G', 'S'].map(|letter| format!("{word}{letter}"))).collect();
+            }
+        }
+        found
+    }
+
+    /// Whether the path whose vertices between light and eye are `word` is of the class, or holds a part that is.
+    pub fn holds(&self, word: &str) -> bool {
+        let matches = |light: &str, eye: &str| {
+            let letters: Vec<char> = format!("{light}{word}{eye}").chars().collect();
+            let starts = if self.form.begins() { 1 } else { (1 << letters.len()) - 1 };
+            let ends = self.form.ends_of(&letters, starts);
+            if self.form.ends() { ends >> letters.len() & 1 == 1 } else { ends != 0 }
+        };
+        if !self.full {
+            return matches("L", "E");
+        }
+        LIGHTS.iter().any(|light| EYES.iter().any(|eye| matches(light, eye)))
     }
 
     /// Whether local sampling finds every path of the class, where lights are of `kind` and the camera is a pinhole.
@@ -125,34 +142,6 @@ impl Form {
         }
     }
 
-    /// Whether a path, or a part of it, is of this form. `L` and `E` stand at its ends only.
-    fn found_in(&self, path: &str) -> bool {
-        let letters: Vec<char> = path.chars().collect();
-        let everywhere: BTreeSet<usize> = (0..=letters.len()).collect();
-        !self.follow(&letters, &everywhere).is_empty()
-    }
-
-    /// Where in `letters` paths of this form can end that begin at one of `from`.
-    fn follow(&self, letters: &[char], from: &BTreeSet<usize>) -> BTreeSet<usize> {
-        match self {
-            Self::Letter(letter, _) => {
-                from.iter().filter(|at| letters.get(**at) == Some(letter)).map(|at| at + 1).collect()
-            }
-            Self::Sequence(parts) => parts.iter().fold(from.clone(), |from, part| part.follow(letters, &from)),
-            Self::Either(ways) => ways.iter().flat_map(|way| way.follow(letters, from)).collect(),
-            Self::Repeated(part, once) => {
-                let mut reached = if *once { part.follow(letters, from) } else { from.clone() };
-                loop {
-                    let further: BTreeSet<usize> = reached.union(&part.follow(letters, &reached)).copied().collect();
-                    if further.len() == reached.len() {
-                        return reached;
-                    }
-                    reached = further;
-                }
-            }
-        }
-    }
-
     /// Whether every path ends at an eye.
     fn ends(&self) -> bool {
         match self {
@@ -160,6 +149,28 @@ impl Form {
             Self::Sequence(parts) => parts.last().is_some_and(Self::ends),
             Self::Either(ways) => ways.iter().all(Self::ends),
             Self::Repeated(..) => false,
+        }
+    }
+
+    /// Where in `letters` what begins at one of `starts` may end; places are bits, the last one behind the last letter.
+    fn ends_of(&self, letters: &[char], starts: u64) -> u64 {
+        match self {
+            Self::Letter(letter, _) => {
+                let at = |place: &usize| starts >> *place & 1 == 1 && letters[*place] == *letter;
+                (0..letters.len()).filter(at).fold(0, |ends, place| ends | 1 << (place + 1))
+            }
+            Self::Sequence(parts) => parts.iter().fold(starts, |places, part| part.ends_of(letters, places)),
+            Self::Either(ways) => ways.iter().fold(0, |ends, way| ends | way.ends_of(letters, starts)),
+            Self::Repeated(part, once) => {
+                let mut reached = if *once { part.ends_of(letters, starts) } else { starts };
+                loop {
+                    let more = reached | part.ends_of(letters, reached);
+                    if more == reached {
+                        return reached;
+                    }
+                    reached = more;
+                }
+            }
         }
     }
 
@@ -367,13 +378,25 @@ mod tests {
     }
 
     #[test]
-    fn classes_hold_their_paths() {
-        let holds = |class: &str, path: &str| LightPaths::parse(class).expect("a class").holds(path);
-        assert!(holds("LDE", "LDE") && !holds("LDE", "LDDE") && !holds("LDE", "LGE"));
-        assert!(holds("LS+DE", "LSDE") && holds("LS+DE", "LSSSDE") && !holds("LS+DE", "LDE"));
-        assert!(holds("L(S|D)*E", "LE") && holds("L(S|D)*E", "LSDSE") && !holds("L(S|D)*E", "LSGE"));
-        assert!(holds("LDD S+ D DSE", "LSDE") && !holds("LDD S+ D DSE", "LDE") && !holds("LDD S+ D DSE", "LSDDE"));
-        assert!(holds("SDS", "LDSDSE") && !holds("SDS", "LSDDSE") && holds("LD", "LDSE") && !holds("LD", "LSDE"));
+    fn classes_have_their_paths() {
+        let paths = |text: &str, longest: usize| LightPaths::parse(text).expect("a class").paths(longest).join(" ");
+        assert_eq!(paths("LDE", 3), "D");
+        assert_eq!(paths("LE", 3), "");
+        assert_eq!(LightPaths::parse("LE").expect("a class").paths(3), [""]);
+        assert_eq!(paths("LS+DE", 3), "SD SSD");
+        assert_eq!(paths("L(D|G)*E", 2), " D G DD DG GD GG");
+        assert_eq!(paths("L(DS)+E", 4), "DS DSDS");
+        assert_eq!(paths("LDD S D DSE", 3), "SD");
+        assert_eq!(paths("DS", 3), "DS DDS DSD DSG DSS GDS SDS");
+        assert_eq!(paths("LD", 2), "D DD DG DS", "a part that begins at the light");
+        assert_eq!(LightPaths::parse("L(S|D|G)*E").expect("a class").paths(5).len(), 364);
+    }
+
+    #[test]
+    fn classes_have_a_full_form_and_hold_paths() {
+        let holds = |class: &str, word: &str| LightPaths::parse(class).expect("a class").holds(word);
+        assert!(holds("LDE", "D") && !holds("LDE", "DD") && !holds("LDE", "G"));
+        assert!(holds("LDD S+ D DSE", "SD") && !holds("LDD S+ D DSE", "D") && holds("SDS", "DSDS"));
         let full = |class: &str, kind| LightPaths::parse(class).expect("a class").full_form(class, kind);
         assert_eq!(full("LS+DE", LightExtent::Area), "LDD S+D DSE");
         assert_eq!(full("(LD|LS)DE", LightExtent::Point), "(LSD D|LSD S)D DSE");
@@ -383,8 +406,9 @@ mod tests {
     proptest! {
         #[test]
         fn any_text_is_read(text in "[LEDGS()|*+ x]{0,40}") {
-            if let Err(error) = LightPaths::parse(&text) {
-                prop_assert!(error.at <= text.len() && text.is_char_boundary(error.at));
+            match LightPaths::parse(&text) {
+                Ok(class) => prop_assert!(class.paths(2).iter().all(|path| path.len() <= 2)),
+                Err(error) => prop_assert!(error.at <= text.len() && text.is_char_boundary(error.at)),
             }
         }
     }
