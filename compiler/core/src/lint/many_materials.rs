@@ -61,5 +61,7 @@ fn kind(bsdf: &Bsdf) -> &'static str {
             }
         }
         Bsdf::Mirror { reflectance: _ } => "mirror",
+        Bsdf::Plastic { reflectance: _, ior: _, alpha: _ } => "plastic",
+        Bsdf::Principled { base: _, metallic: _, roughness: _, ior: _ } => "principled",
     }
 }
