@@ -54,7 +54,9 @@ impl Ink {
         }
         match scene.materials[placed.shape.material].bsdf {
             Bsdf::Dielectric { interior: _, exterior: _, alpha: _ } => Self::Clear,
-            Bsdf::Diffuse { reflectance: _ }
+            Bsdf::Plastic { reflectance: _, ior: _, alpha: _ }
+            | Bsdf::Principled { base: _, metallic: _, roughness: _, ior: _ }
+            | Bsdf::Diffuse { reflectance: _ }
             | Bsdf::Conductor { eta: _, k: _, alpha: _ }
             | Bsdf::Mirror { reflectance: _ } => Self::Surface,
         }

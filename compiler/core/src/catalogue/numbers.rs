@@ -190,10 +190,14 @@ fn materials(scene: &Scene) -> Vec<(String, String, u64)> {
 /// A material as a call.
 fn words(scene: &Scene, bsdf: &Bsdf) -> String {
     match bsdf {
-        Bsdf::Diffuse { reflectance } => match reflectance {
-            ColorOrTexture::Color(reflectance) => format!("diffuse({})", color(reflectance)),
-            ColorOrTexture::Texture(texture) => format!("diffuse({})", scene.textures[*texture].name),
-        },
+        Bsdf::Diffuse { reflectance } => format!("diffuse({})", paint(scene, reflectance)),
+        Bsdf::Plastic { reflectance, ior, alpha } => {
+            format!("plastic({}, ior: {ior}, alpha: {alpha})", paint(scene, reflectance))
+        }
+        Bsdf::Principled { base, metallic, roughness, ior } => {
+            let base = paint(scene, base);
+            format!("principled({base}, metallic: {metallic}, roughness: {roughness}, ior: {ior})")
+        }
         Bsdf::Conductor { eta, k, alpha } => {
             format!("conductor(eta: {}, k: {}, alpha: {alpha})", color(eta), color(k))
         }
@@ -208,6 +212,13 @@ fn words(scene: &Scene, bsdf: &Bsdf) -> String {
             text + ")"
         }
         Bsdf::Mirror { reflectance } => format!("mirror({})", color(reflectance)),
+    }
+}
+
+fn paint(scene: &Scene, paint: &ColorOrTexture) -> String {
+    match paint {
+        ColorOrTexture::Color(paint) => color(paint),
+        ColorOrTexture::Texture(texture) => scene.textures[*texture].name.clone(),
     }
 }
 
