@@ -667,3 +667,53 @@ fn the_manual_is_printed_written_and_checked() {
     assert!(manual(&[]).out.contains("reference"));
     assert_eq!(manual(&["reference", "-o", "x"]).code, Some(2));
 }
+
+#[test]
+fn the_catalogue_is_written_checked_and_cleared() {
+    let (folder, path) = scene("one", "shape a = box(size: 1) with diffuse(0.5)");
+    let out = folder.path().join("out");
+    let doc = |more: &[&str]| run(ltsc().arg("doc").arg(&path).arg("-o").arg(&out).args(more));
+    assert_eq!(doc(&["--check"]).code, Some(1));
+    assert!(!out.exists());
+    assert_eq!(doc(&[]).code, Some(0));
+    assert_eq!(files_below(&out), ["README.md", "one.md", "pictures/one.svg"]);
+    assert_eq!(doc(&["--check"]).code, Some(0));
+    // A page of a scene that is gone goes, and a file of someone else stays.
+    fs::copy(out.join("one.md"), out.join("gone.md")).expect("a copy");
+    fs::write(out.join("notes.md"), "mine").expect("a write");
+    let stale = doc(&["--check"]);
+    assert!(stale.code == Some(1) && stale.out.contains("left over") && stale.out.contains("gone.md"), "{}", stale.out);
+    assert_eq!(doc(&[]).code, Some(0));
+    assert!(!out.join("gone.md").exists() && out.join("notes.md").exists());
+
+    assert_eq!(doc(&["--format", "html"]).code, Some(0));
+    let html = fs::read_to_string(out.join("one.html")).expect("a page");
+    assert!(html.contains("<td>triangles</td><td>14</td>") && html.contains("<h1>one</h1>"), "{html}");
+    assert!(fs::read_to_string(out.join("index.html")).expect("a page").contains("href=\"one.html\""));
+
+    // A library has no page, and a scene with errors none either.
+    fs::write(&path, "lts 1\nlet a = 1\n").expect("a write");
+    assert_eq!(doc(&[]).code, Some(2));
+    fs::write(&path, "lts 1\nscene one {}\n").expect("a write");
+    let broken = doc(&[]);
+    assert!(broken.code == Some(3) && broken.err.contains("nothing was written"), "{}", broken.err);
+}
+
+#[test]
+fn statistics_of_a_build_are_a_table() {
+    let (folder, path) = scene("one", "shape a = box(size: 1) with diffuse(0.5)");
+    let ran = run(ltsc().arg("build").arg(&path).args(["--stats", "--target", "pbrt-v4,gltf"]));
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let lines: Vec<&str> = ran.out.lines().collect();
+    assert_eq!(lines[0], "| scene | time | triangles | instances | bytes: meshes, images | `pbrt-v4` | `gltf` |");
+    assert!(lines[2].starts_with("| `one` | ") && lines[2].contains(" ms | 14 | 0 | "), "{}", lines[2]);
+    // The bytes are those of the files that a build writes.
+    let out = folder.path().join("out");
+    assert_eq!(run(ltsc().arg("build").arg(&path).arg("-o").arg(&out)).code, Some(0));
+    let size = |below: &str| -> u64 {
+        let folder = out.join("one").join(below);
+        files_below(&folder).iter().map(|file| fs::metadata(folder.join(file)).expect("a file").len()).sum()
+    };
+    let cells: Vec<u64> = lines[2].split('|').skip(5).filter_map(|cell| cell.replace(' ', "").parse().ok()).collect();
+    assert_eq!(cells, [size("meshes"), size("pbrt-v4"), size("gltf")]);
+}

@@ -10,6 +10,7 @@ mod gltf;
 mod golden;
 mod outputs;
 mod page_cases;
+mod pages;
 mod pre_commit;
 mod render;
 mod similar;

@@ -28,6 +28,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("lint", &["ir", "mesh", "survey", "contact", "diag"]),
     ("capability", &["ir", "mesh", "diag"]),
     ("formats", &["ir", "mesh", "valid", "capability", "diag", "files"]),
+    ("catalogue", &["ir", "survey"]),
     ("manual", &["capability", "diag", "eval", "formats", "ir", "lint", "syntax"]),
     ("pipeline", &["capability", "diag", "eval", "files", "fix", "formats", "ir", "lint", "lower", "syntax", "valid"]),
 ];

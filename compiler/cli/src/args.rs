@@ -109,6 +109,14 @@ pub enum Command {
         after_help = "Examples:\n  ltsc explain smooth-emitter\n  ltsc explain diffuse\n  ltsc explain --target luxcore\n  ltsc explain            (lists what can be explained)"
     )]
     Explain(Explain),
+    /// Write the catalogue of scenes: a page for each, and what they test together.
+    ///
+    /// A page has the scene's documentation, a line drawing, its numbers, lights and materials, and pictures by Mitsuba 3 and
+    /// LuxCore where they were rendered. Without PATH the scenes of the project that the current folder belongs to.
+    #[command(
+        after_help = "Examples:\n  ltsc doc\n  ltsc doc --format html -o site\n  ltsc doc --render            (pictures again, by the renderers that are there)\n  ltsc doc --check             (exit 1 where a page is not what it would become)"
+    )]
+    Doc(Doc),
     /// Print the reference manual in Markdown, or write it.
     ///
     /// Made from the tables that the compiler itself runs on: the language with every constructor, the findings, the targets.
@@ -199,6 +207,9 @@ pub struct Build {
     /// Write into a folder that is not empty and was not written by ltsc.
     #[arg(long)]
     pub force: bool,
+    /// Write nothing; print a table of the time that each scene takes and the bytes that it becomes, in Markdown.
+    #[arg(long, conflicts_with_all = ["check", "output", "force"])]
+    pub stats: bool,
     #[command(flatten)]
     pub findings: Findings,
 }
@@ -378,4 +389,60 @@ pub struct Manual {
     /// Write nothing; exit with 1 and name the files where the folder is not what it would become.
     #[arg(long, requires = "output")]
     pub check: bool,
+}
+
+/// How the pages of scenes are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum DocFormat {
+    /// Markdown, as forges show it.
+    Markdown,
+    /// HTML that needs no network.
+    Html,
+}
+
+#[derive(Args, Debug)]
+pub struct Doc {
+    /// Scene files, or folders with scenes.
+    pub paths: Vec<PathBuf>,
+    /// The folder to write [default: `docs/scenes` of the project].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// How pages are written.
+    #[arg(long, value_enum, default_value_t = DocFormat::Markdown)]
+    pub format: DocFormat,
+    /// Write nothing; exit with 1 and name the files where the folder is not what it would become.
+    #[arg(long, conflicts_with = "render")]
+    pub check: bool,
+    /// Render the scenes with Mitsuba 3 and LuxCore, as far as they are there, and compare.
+    #[arg(long)]
+    pub render: bool,
+    /// The longer side of pictures in pixels.
+    #[arg(long, value_name = "PIXELS", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    pub size: u32,
+    /// Samples per pixel of pictures.
+    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..))]
+    pub samples: u32,
+    /// Stop a renderer after this many seconds for one picture.
+    #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = clap::value_parser!(u64).range(1..))]
+    pub timeout: u64,
+    #[command(flatten)]
+    pub limits: Limits,
+    /// Files are read below this folder only [default: the project's root].
+    #[arg(long, value_name = "DIR", env = "LTSC_ROOT")]
+    pub root: Option<PathBuf>,
+}
+
+impl Doc {
+    /// How findings are shown: to people, with the project's levels.
+    pub fn findings(&self) -> Findings {
+        Findings {
+            format: Format::Human,
+            allow: Vec::new(),
+            warn: Vec::new(),
+            deny: Vec::new(),
+            no_allow: false,
+            limits: self.limits.clone(),
+            root: self.root.clone(),
+        }
+    }
 }

@@ -18,6 +18,28 @@ const NON_FINITE: [u8; 3] = [0, 0, 255];
 /// # Errors
 /// Refuses images of different sizes or without pixels.
 pub fn difference_rgb8(a: &Image, b: &Image, exposure: f64) -> Result<Vec<u8>, CompareError> {
+    signed(a, b, exposure, |a, b| b - a)
+}
+
+/// As [`difference_rgb8`], of the difference as a share of A; where A is black and B is not, it is beyond all bounds.
+///
+/// # Errors
+/// Refuses images of different sizes or without pixels.
+pub fn relative_rgb8(a: &Image, b: &Image, exposure: f64) -> Result<Vec<u8>, CompareError> {
+    signed(a, b, exposure, |a, b| if a == b { 0.0 } else { (b - a) / a.max(f64::MIN_POSITIVE) })
+}
+
+/// An image in 8-bit sRGB, its values times `2^exposure`; blue where a pixel is not finite.
+pub fn shown_rgb8(image: &Image, exposure: f64) -> Vec<u8> {
+    let gain = exposure.exp2();
+    let shown = |pixel: &[f32; 3]| {
+        if finite(pixel) { pixel.map(|value| encode(f64::from(value) * gain)) } else { NON_FINITE }
+    };
+    image.pixels.iter().flat_map(shown).collect()
+}
+
+/// A difference of the means of channels, green above zero and red below.
+fn signed(a: &Image, b: &Image, exposure: f64, of: fn(f64, f64) -> f64) -> Result<Vec<u8>, CompareError> {
     Pair::new(a, b)?;
     let gain = exposure.exp2();
     let mean = |pixel: &[f32; 3]| pixel.iter().map(|&value| f64::from(value)).sum::<f64>() / 3.0;
@@ -25,7 +47,7 @@ pub fn difference_rgb8(a: &Image, b: &Image, exposure: f64) -> Result<Vec<u8>, C
         if !finite(a) || !finite(b) {
             return NON_FINITE;
         }
-        let difference = mean(b) - mean(a);
+        let difference = of(mean(a), mean(b));
         let value = encode(difference.abs() * gain);
         if difference > 0.0 { [0, value, 0] } else { [value, 0, 0] }
     };
@@ -39,10 +61,22 @@ pub fn difference_rgb8(a: &Image, b: &Image, exposure: f64) -> Result<Vec<u8>, C
 pub fn write_difference_png(path: &Path, a: &Image, b: &Image, exposure: f64) -> Result<(), ImageError> {
     let unwritable = |message: String| ImageError::Unwritable { path: path.to_owned(), message };
     let pixels = difference_rgb8(a, b, exposure).map_err(|error| unwritable(error.to_string()))?;
+    write_png(path, a.width, a.height, &pixels)
+}
+
+/// Writes 8-bit sRGB values, row by row, as a PNG file, which appears only when it is whole.
+///
+/// # Errors
+/// Gives an error if the values are not `3 * width * height`, or the folder cannot be written to.
+pub fn write_png(path: &Path, width: usize, height: usize, pixels: &[u8]) -> Result<(), ImageError> {
+    let unwritable = |message: String| ImageError::Unwritable { path: path.to_owned(), message };
+    if pixels.len() != 3 * width * height {
+        return Err(unwritable(format!("{} values for {width} x {height} pixels", pixels.len())));
+    }
     let side = |size: usize| u32::try_from(size).map_err(|_| unwritable("too large".to_owned()));
     let mut png = Vec::new();
     image::codecs::png::PngEncoder::new(&mut png)
-        .write_image(&pixels, side(a.width)?, side(a.height)?, image::ExtendedColorType::Rgb8)
+        .write_image(pixels, side(width)?, side(height)?, image::ExtendedColorType::Rgb8)
         .map_err(|error| unwritable(error.to_string()))?;
     replace_file(path, |file| file.write_all(&png)).map_err(|source| ImageError::Io { path: path.to_owned(), source })
 }
@@ -73,6 +107,17 @@ mod tests {
         // 0.5 / 1024 lies in the linear part: 12.92 * 255 * 0.5 / 1024 = 1.6.
         assert_eq!(dark[..6], [0, 2, 0, 2, 0, 0]);
         assert!(difference_rgb8(&a, &Image::filled(1, 4, [1.0; 3]), 0.0).is_err());
+    }
+
+    #[test]
+    fn relative_differences_are_shares_of_the_first() {
+        let mut a = Image::filled(3, 1, [2.0; 3]);
+        let mut b = Image::filled(3, 1, [3.0; 3]);
+        (a.pixels[1], b.pixels[1]) = ([0.0; 3], [0.0; 3]);
+        (a.pixels[2], b.pixels[2]) = ([0.0; 3], [1e-9; 3]);
+        assert_eq!(relative_rgb8(&a, &b, 0.0).expect("equal sizes"), [0, 188, 0, 0, 0, 0, 0, 255, 0]);
+        assert_eq!(shown_rgb8(&Image::filled(1, 1, [0.25, f32::NAN, 1.0]), 1.0), NON_FINITE);
+        assert_eq!(shown_rgb8(&Image::filled(1, 1, [0.25, 0.0, 1.0]), 1.0), [188, 0, 255]);
     }
 
     #[test]

@@ -39,6 +39,9 @@ struct Built {
 pub fn run(command: &Build) -> Result<Exit, Failure> {
     let only: Vec<&'static Target> =
         command.target.iter().map(|name| project::target(name)).collect::<Result<_, _>>()?;
+    if command.stats {
+        return super::stats::run(command, &only);
+    }
     let whole = command.paths.is_empty();
     let mut exit = Exit::Done;
     let mut said = false;

@@ -50,6 +50,7 @@ fn all(command: &Emit) -> Result<Exit, Failure> {
         target: vec![command.target.clone()],
         output: command.output.clone(),
         force: command.force,
+        stats: false,
         findings: command.findings.clone(),
     })
 }

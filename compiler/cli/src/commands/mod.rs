@@ -3,6 +3,7 @@
 mod build;
 mod completions;
 mod diff;
+mod doc;
 mod emit;
 mod explain;
 mod fixes;
@@ -13,6 +14,7 @@ mod render;
 mod renderers;
 mod shared;
 mod similar;
+mod stats;
 
 use crate::args::{Arguments, Command, Format, RenderersAction};
 use crate::output::Exit;
@@ -32,6 +34,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Diff(command) => diff::run(&command),
         Command::Renderers(command) => renderers::run(&command),
         Command::Explain(command) => explain::run(&command),
+        Command::Doc(command) => doc::run(&command),
         Command::Manual(command) => manual::run(&command),
         Command::Completions { shell } => completions::run(shell),
     };
@@ -57,6 +60,6 @@ fn format_of(command: &Command) -> Format {
             RenderersAction::List { format } => format,
             RenderersAction::Install { .. } => Format::Human,
         },
-        Command::Explain(_) | Command::Manual(_) | Command::Completions { .. } => Format::Human,
+        Command::Explain(_) | Command::Doc(_) | Command::Manual(_) | Command::Completions { .. } => Format::Human,
     }
 }

@@ -82,6 +82,19 @@ impl LightPaths {
         self.form.begins() && self.form.ends()
     }
 
+    /// The full form of the class that `text` writes, for lights of `kind` and a pinhole camera.
+    pub fn full_form(&self, text: &str, kind: LightExtent) -> String {
+        if self.full {
+            return text.trim().to_owned();
+        }
+        let light = match kind {
+            LightExtent::Area => "LDD ",
+            LightExtent::Point => "LSD ",
+        };
+        let spelled = text.replace('L', light).replace('E', " DSE");
+        spelled.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+
     /// The paths of the class with at most `longest` vertices between light and eye, as their letters `D`, `G`, `S`, the shorter ones
     /// first. Of a class of parts, the paths that hold one.
     pub fn paths(&self, longest: usize) -> Vec<String> {
@@ -97,7 +110,7 @@ impl LightPaths {
     }
 
     /// Whether the path whose vertices between light and eye are `word` is of the class, or holds a part that is.
-    fn holds(&self, word: &str) -> bool {
+    pub fn holds(&self, word: &str) -> bool {
         let matches = |light: &str, eye: &str| {
             let letters: Vec<char> = format!("{light}{word}{eye}").chars().collect();
             let starts = if self.form.begins() { 1 } else { (1 << letters.len()) - 1 };
@@ -377,6 +390,17 @@ mod tests {
         assert_eq!(paths("DS", 3), "DS DDS DSD DSG DSS GDS SDS");
         assert_eq!(paths("LD", 2), "D DD DG DS", "a part that begins at the light");
         assert_eq!(LightPaths::parse("L(S|D|G)*E").expect("a class").paths(5).len(), 364);
+    }
+
+    #[test]
+    fn classes_have_a_full_form_and_hold_paths() {
+        let holds = |class: &str, word: &str| LightPaths::parse(class).expect("a class").holds(word);
+        assert!(holds("LDE", "D") && !holds("LDE", "DD") && !holds("LDE", "G"));
+        assert!(holds("LDD S+ D DSE", "SD") && !holds("LDD S+ D DSE", "D") && holds("SDS", "DSDS"));
+        let full = |class: &str, kind| LightPaths::parse(class).expect("a class").full_form(class, kind);
+        assert_eq!(full("LS+DE", LightExtent::Area), "LDD S+D DSE");
+        assert_eq!(full("(LD|LS)DE", LightExtent::Point), "(LSD D|LSD S)D DSE");
+        assert_eq!(full("LDD S D DSE", LightExtent::Point), "LDD S D DSE");
     }
 
     proptest! {

@@ -1,0 +1,214 @@
+//! Renderings for the catalogue: each scene in two renderers, and how they differ.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use ltsc_core::capability::{Support, algorithm};
+use ltsc_core::catalogue::Pictures;
+use ltsc_core::eval::Overrides;
+use ltsc_core::ir::Scene;
+use ltsc_core::pipeline;
+use ltsc_render::cache::CachePaths;
+use ltsc_render::compare::{CompareOptions, compare, difference_rgb8, relative_rgb8, shown_rgb8, write_png};
+use ltsc_render::env::Env;
+use ltsc_render::image::Image;
+use ltsc_render::run::{Driver, RenderRequest, Rendered, Search, driver, find, render};
+use serde_json::json;
+
+use crate::args::Doc;
+use crate::disk::{DiskSink, unwritable, write_atomically};
+use crate::output::{Exit, Failure};
+use crate::project::{self, Project};
+use crate::terminal::{self, Bar};
+
+use super::super::shared::check;
+
+/// The renderers that are compared, the reference first.
+const PAIR: [&str; 2] = ["mitsuba-3", "luxcore"];
+
+/// Stops by which differences are brightened, beside the exposure of the pictures.
+const STOPS: f64 = 5.0;
+
+/// Stops by which relative differences are brightened: at as many as the others the noise of few samples fills them.
+const RELATIVE_STOPS: f64 = 2.0;
+
+type Scenes<'s> = BTreeMap<&'s str, (&'s Scene, &'s Project, &'s PathBuf)>;
+
+fn file(folder: &Path, name: &str) -> PathBuf {
+    folder.join("pictures").join(format!("{name}.json"))
+}
+
+/// What was rendered of a scene before.
+pub fn load(folder: &Path, name: &str) -> Option<Pictures> {
+    let text = fs::read_to_string(file(folder, name)).ok()?;
+    let document: serde_json::Value = serde_json::from_str(&text).ok()?;
+    let pairs = |key: &str| -> Option<Vec<(String, String)>> {
+        let items = document.get(key)?.as_array()?.iter();
+        items.map(|item| Some((item.get(0)?.as_str()?.to_owned(), item.get(1)?.as_str()?.to_owned()))).collect()
+    };
+    Some(Pictures { shown: pairs("shown")?, facts: pairs("facts")? })
+}
+
+/// Renders all scenes with the renderers that are there.
+pub fn render_all(command: &Doc, scenes: &Scenes<'_>, folder: &Path) -> Result<(), Failure> {
+    let mut drivers: Vec<&'static Driver> = Vec::new();
+    for name in PAIR {
+        let Some(driver) = driver(name) else { continue };
+        let there = scenes.values().next().is_some_and(|(_, project, _)| is_there(driver, project));
+        if there {
+            drivers.push(driver);
+        } else {
+            terminal::say(&format!("{name} is not there: its pictures are left out; `ltsc renderers install {name}`"));
+        }
+    }
+    if drivers.is_empty() {
+        return Ok(());
+    }
+    for (name, (scene, project, path)) in scenes {
+        let pictures = one(command, scene, project, path, &drivers, folder)?;
+        if pictures.shown.is_empty() {
+            continue;
+        }
+        let text = format!("{:#}\n", json!({ "shown": pictures.shown, "facts": pictures.facts }));
+        write_atomically(&file(folder, name), &mut |out| out.write_all(text.as_bytes()))
+            .map_err(|error| unwritable(folder, &error))?;
+    }
+    Ok(())
+}
+
+fn is_there(driver: &'static Driver, project: &Project) -> bool {
+    let env = Env::of_process();
+    let cache = CachePaths::find(&env);
+    let configured = project.executables.get(driver.name).map(PathBuf::as_path);
+    find(driver, &Search { env: &env, cache: cache.as_ref(), given: None, configured }).is_ok()
+}
+
+/// The settings of a picture: the longer side is as asked for.
+fn settings(command: &Doc, scene: &Scene) -> Overrides {
+    let (width, height) = (scene.film.width, scene.film.height);
+    let longer = f64::from(width.max(height));
+    let side = |of: u32| Some(((f64::from(of) * f64::from(command.size) / longer).round() as u32).max(1));
+    Overrides { width: side(width), height: side(height), samples: Some(command.samples), ..Overrides::default() }
+}
+
+fn one(
+    command: &Doc,
+    scene: &Scene,
+    project: &Project,
+    path: &PathBuf,
+    drivers: &[&'static Driver],
+    folder: &Path,
+) -> Result<Pictures, Failure> {
+    let checked = check(project, std::slice::from_ref(path), &command.findings(), settings(command, scene), &[])?;
+    let Some(small) = checked.into_iter().next().and_then(|file| file.checked.scene) else {
+        return Ok(Pictures::default());
+    };
+    let (small, _) = pipeline::prepare(small)
+        .map_err(|_| Failure::new(Exit::Input, format!("the scene `{}` cannot be rendered", scene.name)))?;
+    let mut rendered: Vec<(&'static Driver, Rendered)> = Vec::new();
+    for driver in drivers {
+        let target = project::target(driver.target)?;
+        if matches!((target.supports)(algorithm(&small.integrator).0), Support::Unsupported { why: _ }) {
+            terminal::say(&format!("{}: {} lacks `{}`", scene.name, driver.name, small.integrator.word()));
+            continue;
+        }
+        let work = tempfile::Builder::new().prefix("ltsc-doc-").tempdir();
+        let work = work.map_err(|error| Failure::new(Exit::Environment, error.to_string()))?;
+        let failed = |error: std::io::Error| unwritable(work.path(), &error);
+        let camera = pipeline::camera(&small, None)
+            .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
+        let mut sink = DiskSink::new(work.path(), &small.name, false, false).map_err(failed)?;
+        pipeline::emit_alone(&small, camera, target, &mut sink).map_err(failed)?;
+        sink.finish().map_err(failed)?;
+        let env = Env::of_process();
+        let cache = CachePaths::find(&env);
+        let size = (small.film.width as usize, small.film.height as usize);
+        let request = RenderRequest {
+            executable: project.executables.get(driver.name).cloned(),
+            env,
+            cache,
+            main_file: driver.main_file.replace("SCENE", &small.name),
+            samples: command.samples,
+            seed: small.sampler.seed(),
+            timeout: Some(Duration::from_secs(command.timeout)),
+            ..RenderRequest::new(driver, work.path().to_path_buf(), size, work.path().join("log"))
+        };
+        let mut bar = Bar::new(0, &format!("{} ({})", scene.name, driver.name));
+        let done = render(&request, &mut |_| bar.say(&format!("{} ({})", scene.name, driver.name)));
+        bar.finish();
+        match done {
+            Ok(image) => {
+                terminal::say(&format!("{}: {} in {:.1} s", scene.name, driver.name, image.seconds));
+                rendered.push((driver, image));
+            }
+            Err(error) => terminal::say(&format!("{}: {} left out: {error}", scene.name, driver.name)),
+        }
+    }
+    write(command, scene, &rendered, folder)
+}
+
+/// The factor that brings the 95th percentile of an image's brightness to 0.8.
+fn exposure(image: &Image) -> f64 {
+    let mut values: Vec<f32> =
+        image.pixels.iter().map(|pixel| pixel.iter().sum::<f32>() / 3.0).filter(|value| value.is_finite()).collect();
+    values.sort_by(f32::total_cmp);
+    let bright = values.get(values.len() * 95 / 100).copied().unwrap_or(1.0);
+    if bright > 0.0 { (0.8 / f64::from(bright)).log2() } else { 0.0 }
+}
+
+/// Writes the pictures and says what was measured.
+fn write(
+    command: &Doc,
+    scene: &Scene,
+    rendered: &[(&'static Driver, Rendered)],
+    folder: &Path,
+) -> Result<Pictures, Failure> {
+    let Some((_, first)) = rendered.first() else { return Ok(Pictures::default()) };
+    let stops = exposure(&first.image);
+    let mut pictures = Pictures::default();
+    let mut put = |title: String, kind: &str, width: usize, height: usize, pixels: &[u8]| {
+        let name = format!("{}-{kind}.png", scene.name);
+        let path = folder.join("pictures").join(&name);
+        fs::create_dir_all(folder.join("pictures")).map_err(|error| unwritable(folder, &error))?;
+        write_png(&path, width, height, pixels)
+            .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))?;
+        pictures.shown.push((title, name));
+        Ok::<(), Failure>(())
+    };
+    for (driver, done) in rendered {
+        let image = &done.image;
+        let title = format!("{} {}", driver.name, done.renderer_version);
+        put(title, driver.name, image.width, image.height, &shown_rgb8(image, stops))?;
+    }
+    let mut facts = vec![("samples per pixel".to_owned(), command.samples.to_string())];
+    facts.push(("exposure of the pictures".to_owned(), format!("{stops:+.1} stops")));
+    if let [(one, a), (other, b)] = rendered {
+        let (a, b) = (&a.image, &b.image);
+        let different = |error: ltsc_render::compare::CompareError| Failure::new(Exit::Fault, error.to_string());
+        let signed = difference_rgb8(a, b, stops + STOPS).map_err(different)?;
+        put(format!("difference, +{STOPS} stops"), "difference", a.width, a.height, &signed)?;
+        let relative = relative_rgb8(a, b, RELATIVE_STOPS).map_err(different)?;
+        put(format!("relative difference, +{RELATIVE_STOPS} stops"), "relative", a.width, a.height, &relative)?;
+        facts.push((
+            "differences".to_owned(),
+            format!("green where {} is brighter, red where it is dimmer", other.name),
+        ));
+        let options = CompareOptions { mask_non_finite: true, ..CompareOptions::default() };
+        let comparison = compare(a, b, &options).map_err(different)?;
+        for metric in ["ratio", "relative-mse"] {
+            let Some(value) = comparison.metric(metric) else { continue };
+            let numbers: Vec<String> =
+                value.channels.iter().map(|part| part.map_or("none".to_owned(), |part| format!("{part:.4}"))).collect();
+            let what = if metric == "ratio" {
+                format!("mean of {} / mean of {} (red, green, blue)", other.name, one.name)
+            } else {
+                "relative mean squared error (red, green, blue)".to_owned()
+            };
+            facts.push((what, numbers.join(", ")));
+        }
+    }
+    pictures.facts = facts;
+    Ok(pictures)
+}
