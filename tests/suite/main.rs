@@ -6,6 +6,7 @@ mod format;
 mod geometry;
 mod gltf;
 mod golden;
+mod mutations;
 mod outputs;
 mod page_cases;
 mod render;
