@@ -179,7 +179,7 @@ impl Interpreter<'_> {
         }
         let finding =
             Finding::error("unknown-name", span, format!("there is no value named `{name}`")).label("unknown here");
-        if let Some(later) = scope.later(name) {
+        if let Some(later) = scope.later(name, span) {
             let line = self.sources.position(later.file, later.start).line;
             return self.report(
                 finding
@@ -288,7 +288,7 @@ impl Interpreter<'_> {
             .label(format!("expected {what}"));
         if scope.get(name).is_some() {
             finding = finding.note(format!("`{name}` is a value and takes no arguments"));
-        } else if let Some(later) = scope.later(name) {
+        } else if let Some(later) = scope.later(name, span) {
             let line = self.sources.position(later.file, later.start).line;
             finding = finding.also(later, format!("declared below, line {line}"));
         } else if wanted.is_some() {

@@ -1,15 +1,18 @@
 //! Statements of a file, its names, and `use`.
 
-use std::collections::BTreeMap;
+use std::cell::OnceCell;
+use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
+use std::sync::Arc;
 
-use crate::diag::{Finding, Span, nearest};
+use crate::diag::{FileId, Finding, Span, nearest};
 use crate::files::{PathError, ReadError, VPath};
 use crate::ir::{Documentation, Film, Integrator, Sampler};
-use crate::syntax::{self, Expr, ExprKind, Kind, Name, Statement, StatementKind, Tree};
+use crate::syntax::{self, Cut, Expr, ExprKind, Kind, Name, Statement, StatementKind, Tree};
 
 use super::items::{self, InstanceNames, Item, Lit, Placed};
 use super::table::Family;
+use super::unused::Looked;
 use super::value::{CameraValue, MaterialValue, Value};
 use super::{Allow, Interpreter, Reported};
 
@@ -22,8 +25,30 @@ pub(super) struct Scope {
     names: Names,
     /// Loop variables, innermost last.
     inner: Vec<(String, Value, Span)>,
-    /// Names that the file declares, with the place of each, to say "declared below".
-    all: BTreeMap<String, Span>,
+    /// The file, to say "declared below".
+    ahead: Option<Ahead>,
+}
+
+/// A file that is being evaluated, statement by statement.
+struct Ahead {
+    file: FileId,
+    text: Arc<str>,
+    cut: Rc<Cut>,
+    /// The names that the file declares, with their places and the ends of their statements; found when first asked for.
+    names: OnceCell<BTreeMap<String, (Span, usize)>>,
+}
+
+impl Ahead {
+    fn find(&self, name: &str) -> Option<(Span, usize)> {
+        let names = self.names.get_or_init(|| {
+            let mut names = BTreeMap::new();
+            for (name, range, end) in self.cut.declared(&self.text) {
+                names.entry(name.to_owned()).or_insert((Span::new(self.file, range.start, range.end), end));
+            }
+            names
+        });
+        names.get(name).copied()
+    }
 }
 
 impl Scope {
@@ -36,9 +61,10 @@ impl Scope {
         inner.or_else(|| self.names.get(name).map(|(value, span)| (value, *span)))
     }
 
-    /// Where the file declares `name`, if it does so below.
-    pub(super) fn later(&self, name: &str) -> Option<Span> {
-        self.all.get(name).copied()
+    /// Where the file declares `name`, if it does so below `at` or in the same statement.
+    pub(super) fn later(&self, name: &str, at: Span) -> Option<Span> {
+        let (span, end) = self.ahead.as_ref()?.find(name)?;
+        (span.file == at.file && end > at.start as usize).then_some(span)
     }
 
     /// Where `name` is declared.
@@ -100,6 +126,24 @@ pub(super) struct Module {
     pub depth: usize,
     /// Whether it is the body of a group.
     pub group: bool,
+    /// The names that `use` brings.
+    pub imported: BTreeSet<String>,
+}
+
+/// A file in the middle of its evaluation.
+#[derive(Default)]
+struct Reading {
+    module: Module,
+    scope: Scope,
+    /// `allow` statements whose statement has not come yet.
+    pending: Vec<Allow>,
+    looked: Looked,
+    /// The first statement.
+    first: Option<Span>,
+    /// Whether `scene` has come.
+    scene: bool,
+    /// Whether the first statement is `lts`.
+    versioned: bool,
 }
 
 impl Module {
@@ -112,8 +156,8 @@ impl Module {
 impl Interpreter<'_> {
     /// Evaluates the file that the user named.
     pub(super) fn main(&mut self, path: &VPath) -> Option<Module> {
-        let tree = match self.load(path) {
-            Ok(tree) => tree,
+        let file = match self.load(path) {
+            Ok(file) => file,
             Err(problem) => {
                 let origin = crate::diag::Origin::File { path: path.to_string(), place: String::new() };
                 self.findings.push(Finding { origin, ..*problem });
@@ -121,19 +165,21 @@ impl Interpreter<'_> {
             }
         };
         self.loading.push(path.clone());
-        let module = self.module(&tree);
+        let module = self.file(file);
         self.loading.pop();
         Some(module)
     }
 
     /// Name and documentation of a tree that is nothing but a `scene` statement.
     pub(super) fn header_alone(&mut self, tree: &Tree) -> Option<(String, Documentation)> {
-        let header = self.module(tree).header?;
+        let mut reading = Reading::default();
+        tree.statements.iter().for_each(|statement| self.next(&mut reading, statement));
+        let header = reading.module.header?;
         Some((header.name.text.clone(), self.documentation(&header)))
     }
 
-    /// Reads and parses a file. The finding of an error has no place yet.
-    fn load(&mut self, path: &VPath) -> Result<Tree, Box<Finding>> {
+    /// Reads a file. The finding of an error has no place yet.
+    fn load(&mut self, path: &VPath) -> Result<FileId, Box<Finding>> {
         let place = crate::diag::Origin::Made;
         let bytes = self.files.read(path, self.limits.text).map_err(|error| Box::new(read_problem(path, &error)))?;
         self.inputs.insert(path.clone(), bytes.clone());
@@ -149,45 +195,36 @@ impl Interpreter<'_> {
                 .note(format!("the first one is at byte {at}"));
             return Err(Box::new(finding.help("scene files are text; is this a binary file?")));
         }
-        let file = self.sources.add(path.as_str(), text);
-        let (tree, findings) = syntax::parse(file, text);
-        self.findings.extend(findings);
-        Ok(tree)
+        Ok(self.sources.add(path.as_str(), text))
     }
 
-    fn module(&mut self, tree: &Tree) -> Module {
-        let mut module = Module::default();
-        let mut scope = Scope::default();
-        for statement in &tree.statements {
-            if let Some(name) = declared(statement) {
-                scope.all.entry(name.text.clone()).or_insert(name.span);
-            }
+    /// Parses and evaluates a file, statement by statement: names are declared before they are used, so that nothing has to be
+    /// kept of a statement once it has been evaluated.
+    fn file(&mut self, file: FileId) -> Module {
+        let text = Arc::clone(&self.sources.get(file).text);
+        let cut = Rc::new(Cut::new(&text));
+        let ahead = Ahead { file, text: Arc::clone(&text), cut: Rc::clone(&cut), names: OnceCell::new() };
+        let mut reading = Reading { scope: Scope { ahead: Some(ahead), ..Scope::default() }, ..Reading::default() };
+        let findings = cut.read(file, &text, &mut |statements| {
+            statements.iter().for_each(|statement| self.next(&mut reading, statement));
+        });
+        let silent = findings.is_empty();
+        self.findings.extend(findings);
+        let Reading { mut module, scope, pending, looked, first, scene, versioned } = reading;
+        if !versioned && (first.is_some() || silent) {
+            let newest = syntax::VERSION;
+            self.findings.push(
+                Finding::warn(
+                    "missing-version",
+                    first.unwrap_or(Span::new(file, 0, 0)),
+                    "the file does not say its version of the language",
+                )
+                .note(format!("the newest one, {newest}, is assumed"))
+                .help(format!("write `lts {newest}` first")),
+            );
         }
-        self.version(tree);
-        let scene_file = tree.statements.iter().any(|statement| matches!(statement.kind, StatementKind::Scene { .. }));
-        for (kind, name) in super::unused::unused(&tree.statements, scene_file) {
-            self.unused.push(super::Unused { kind, name: name.text.clone(), span: name.span });
-        }
-        let mut pending: Vec<Allow> = Vec::new();
-        for statement in &tree.statements {
-            if let StatementKind::Allow { id, reason } = &statement.kind {
-                let allow = Allow { id: id.text.clone(), span: id.span, reason: reason.text.clone(), range: None };
-                if reason.text.trim().is_empty() {
-                    self.findings.push(
-                        Finding::error("missing-reason", reason.span, format!("`allow {}` gives no reason", id.text))
-                            .help("say why the finding is right and yet wanted"),
-                    );
-                }
-                pending.push(allow);
-                continue;
-            }
-            let whole_file = matches!(statement.kind, StatementKind::Scene { .. });
-            let plain = matches!(statement.kind, StatementKind::Version(_));
-            if !plain {
-                let range = (!whole_file).then_some(statement.span);
-                self.allows.extend(pending.drain(..).map(|allow| Allow { range, ..allow }));
-            }
-            self.statement(&mut module, &mut scope, statement);
+        for (kind, name) in looked.unused(scene) {
+            self.unused.push(super::Unused { kind, name: name.text, span: name.span });
         }
         for allow in pending {
             self.findings.push(
@@ -199,39 +236,56 @@ impl Interpreter<'_> {
         module
     }
 
-    fn version(&mut self, tree: &Tree) {
-        let start = Span::new(tree.file, 0, 0);
-        let first = tree.statements.first();
-        for later in tree.statements.iter().skip(1) {
-            if matches!(later.kind, StatementKind::Version(_)) {
-                self.findings.push(
-                    Finding::error(
-                        "misplaced-statement",
-                        later.span,
-                        "`lts` must be the first statement, and stand once",
-                    )
-                    .help("remove it, or move it to the start of the file"),
-                );
-            }
-        }
-        let Some(StatementKind::Version(number)) = first.map(|statement| &statement.kind) else {
-            if tree.statements.is_empty()
-                && self.findings.iter().any(|finding| finding.origin.span().is_some_and(|span| span.file == tree.file))
-            {
+    /// Evaluates the next statement of a file.
+    fn next(&mut self, reading: &mut Reading, statement: &Statement) {
+        let Reading { module, scope, pending, looked, first, scene, versioned } = reading;
+        let is_first = first.is_none();
+        first.get_or_insert(statement.span);
+        looked.statement(statement);
+        match &statement.kind {
+            StatementKind::Allow { id, reason } => {
+                let allow = Allow { id: id.text.clone(), span: id.span, reason: reason.text.clone(), range: None };
+                if reason.text.trim().is_empty() {
+                    self.findings.push(
+                        Finding::error("missing-reason", reason.span, format!("`allow {}` gives no reason", id.text))
+                            .help("say why the finding is right and yet wanted"),
+                    );
+                }
+                pending.push(allow);
                 return;
             }
-            let newest = syntax::VERSION;
+            StatementKind::Version(number) => {
+                *versioned |= is_first;
+                self.version(number, statement.span, is_first);
+                return;
+            }
+            StatementKind::Scene { .. } => {
+                *scene = true;
+                self.allows.append(pending);
+            }
+            StatementKind::Use { names, .. } => {
+                let local = names.iter().map(|(name, alias)| alias.as_ref().unwrap_or(name).text.clone());
+                module.imported.extend(local);
+            }
+            StatementKind::Declaration { .. }
+            | StatementKind::Group { .. }
+            | StatementKind::Parameter { .. }
+            | StatementKind::For { .. }
+            | StatementKind::If { .. } => {}
+        }
+        self.allows.extend(pending.drain(..).map(|allow| Allow { range: Some(statement.span), ..allow }));
+        self.statement(module, scope, statement);
+    }
+
+    /// `lts 1`
+    fn version(&mut self, number: &Expr, span: Span, first: bool) {
+        if !first {
             self.findings.push(
-                Finding::warn(
-                    "missing-version",
-                    first.map_or(start, |statement| statement.span),
-                    "the file does not say its version of the language",
-                )
-                .note(format!("the newest one, {newest}, is assumed"))
-                .help(format!("write `lts {newest}` first")),
+                Finding::error("misplaced-statement", span, "`lts` must be the first statement, and stand once")
+                    .help("remove it, or move it to the start of the file"),
             );
             return;
-        };
+        }
         match number.kind {
             ExprKind::Number(version) if version == f64::from(syntax::VERSION) => {}
             _ => {
@@ -247,7 +301,7 @@ impl Interpreter<'_> {
 
     pub(super) fn statement(&mut self, module: &mut Module, scope: &mut Scope, statement: &Statement) {
         match &statement.kind {
-            // `version` has looked at them.
+            // `next` has looked at them.
             StatementKind::Version(_) => {}
             StatementKind::Scene { name, fields } => self.header(module, scope, name, fields, &statement.doc),
             StatementKind::Use { names, path } => self.use_names(scope, names, path),
@@ -390,7 +444,6 @@ impl Interpreter<'_> {
                         .maybe_help(similar),
                 );
             }
-            scope.all.entry(local.text.clone()).or_insert(local.span);
             self.declare(scope, local, found.unwrap_or(Value::Poison));
         }
     }
@@ -419,8 +472,8 @@ impl Interpreter<'_> {
             );
             return None;
         }
-        let tree = match self.load(&resolved) {
-            Ok(tree) => tree,
+        let file = match self.load(&resolved) {
+            Ok(file) => file,
             Err(problem) => {
                 self.findings.push(Finding { origin: path.span.into(), ..*problem });
                 self.modules.insert(resolved, None);
@@ -428,7 +481,7 @@ impl Interpreter<'_> {
             }
         };
         self.loading.push(resolved.clone());
-        let module = self.module(&tree);
+        let module = self.file(file);
         self.loading.pop();
         if let Some(header) = &module.header {
             self.findings.push(
@@ -443,8 +496,8 @@ impl Interpreter<'_> {
         } else {
             self.library_only(&module);
         }
-        let imported: Vec<String> = tree.statements.iter().flat_map(imported).collect();
-        let own = module.names.into_iter().filter(|(name, _)| !imported.contains(name)).collect();
+        let Module { names, imported, .. } = module;
+        let own = names.into_iter().filter(|(name, _)| !imported.contains(name)).collect();
         let names = Rc::new(own);
         self.modules.insert(resolved, Some(Rc::clone(&names)));
         Some(names)
@@ -570,42 +623,6 @@ impl Interpreter<'_> {
             )
             .label(found.kind()),
         )
-    }
-}
-
-/// The value name that a statement declares.
-fn declared(statement: &Statement) -> Option<&Name> {
-    match &statement.kind {
-        StatementKind::Declaration {
-            kind: Kind::Let | Kind::Material | Kind::Mesh | Kind::Texture | Kind::Group,
-            name,
-            ..
-        } => name.as_ref(),
-        StatementKind::Group { name, .. } | StatementKind::Parameter { name, .. } => Some(name),
-        StatementKind::Declaration { .. }
-        | StatementKind::Version(_)
-        | StatementKind::Scene { .. }
-        | StatementKind::Use { .. }
-        | StatementKind::For { .. }
-        | StatementKind::If { .. }
-        | StatementKind::Allow { .. } => None,
-    }
-}
-
-/// The names that a `use` brings.
-fn imported(statement: &Statement) -> Vec<String> {
-    match &statement.kind {
-        StatementKind::Use { names, .. } => {
-            names.iter().map(|(name, alias)| alias.as_ref().unwrap_or(name).text.clone()).collect()
-        }
-        StatementKind::Version(_)
-        | StatementKind::Scene { .. }
-        | StatementKind::Declaration { .. }
-        | StatementKind::Group { .. }
-        | StatementKind::Parameter { .. }
-        | StatementKind::For { .. }
-        | StatementKind::If { .. }
-        | StatementKind::Allow { .. } => Vec::new(),
     }
 }
 

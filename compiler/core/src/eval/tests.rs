@@ -191,3 +191,34 @@ fn names_of_scattered_places_are_taken() {
     let free = "for i in 2..3 {\n    instance a = lamp\n}\ninstance a = lamp |> scatter(\"forest.npy\")\n";
     assert_eq!(id(free), Vec::<String>::new());
 }
+
+#[test]
+fn a_large_text_means_what_a_small_one_does() {
+    let statements = |many: usize| {
+        let filler: String = (0..many)
+            .map(|at| format!("shape far{at} = box(size: 1) |> translate({at}, 2.5, 0.125) with diffuse(0.25)\n"))
+            .collect();
+        format!(
+            "shape a = box(size: 1) with later\nlet first = 1\nlet vain = 1\nlet own = own + 1\n{filler}\
+             shape b = box(size: sizes) with diffuse(first)\nlet x = = 1\nshape b = box(size: 1) with diffuse(0.5)\nshape b = box(size: 1) with diffuse(0.5)\n\
+             {filler}material later = diffuse(0.5)\nshape c = box(size: size) with later\n"
+        )
+    };
+    let told = |many: usize| -> Vec<(&'static str, String, usize)> {
+        let Evaluated { findings, unused, .. } = evaluated(&statements(many));
+        assert_eq!(unused.iter().map(|unused| unused.name.as_str()).collect::<Vec<_>>(), ["vain"]);
+        findings.into_iter().map(|finding| (finding.id, finding.message, finding.labels.len())).collect()
+    };
+    // 2500 are 190 kB, twice: two batches.
+    let (small, large) = (told(0), told(2500));
+    assert!(large.len() > 2500, "the second filler repeats the names of the first");
+    let large: Vec<_> = large.into_iter().filter(|(_, message, _)| !message.contains("`far")).collect();
+    assert_eq!(small, large);
+    let ids: Vec<&str> = small.iter().map(|(id, _, _)| *id).collect();
+    assert_eq!(
+        ids,
+        ["unknown-name", "unknown-name", "unknown-name", "syntax-error", "duplicate-name", "unknown-name"],
+        "{small:?}"
+    );
+    assert_eq!((small[0].2, small[1].2, small[2].2), (1, 1, 0), "declared below, in the same statement, nowhere");
+}

@@ -1,7 +1,7 @@
 //! Text to tree. [`parse`] never fails: it gives the statements it understood and findings for the rest.
 //!
 //! [`split`](self) cuts the text into top-level statements in one pass over the bytes and refuses what is nested too
-//! deeply; `parse` gives each piece to the grammar (`grammar/lts.pest`) and builds the tree; `explain` turns what the
+//! deeply; `parse` gives each piece, in parallel where there are many, to the grammar (`grammar/lts.pest`) and builds the tree; `explain` turns what the
 //! grammar refused into findings.
 
 mod build;
@@ -10,7 +10,7 @@ mod parse;
 mod split;
 mod tree;
 
-pub use parse::{header, parse};
+pub use parse::{Cut, header, parse};
 pub use tree::{
     Arg, Binary, Call, Clause, Expr, ExprKind, Field, Kind, Name, Param, Statement, StatementKind, Tree, Type, Unary,
 };

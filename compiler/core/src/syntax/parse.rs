@@ -1,14 +1,17 @@
 //! The grammar, and [`parse`]: pieces of text to statements.
 
+use std::ops::Range;
+
 use pest::Parser;
 use pest_derive::Parser;
+use rayon::prelude::*;
 
 use crate::diag::{FileId, Finding, Span};
 
 use super::build::Builder;
 use super::explain::explain;
-use super::split::split;
-use super::{NESTING_LIMIT, Tree};
+use super::split::{Split, split};
+use super::{NESTING_LIMIT, Statement, Tree};
 
 #[derive(Parser)]
 #[grammar = "../../../grammar/lts.pest"]
@@ -18,40 +21,140 @@ pub(super) struct Grammar;
 /// tree; each has at least one finding.
 pub fn parse(file: FileId, text: &str) -> (Tree, Vec<Finding>) {
     let mut tree = Tree { file, statements: Vec::new() };
-    let mut findings = Vec::new();
-    let pieces = split(text);
-    for at in pieces.too_deep {
-        findings.push(
-            Finding::error("nesting-limit", Span::new(file, at, at + 1), "brackets are nested too deeply")
-                .label(format!("level {}", NESTING_LIMIT + 1))
-                .note(format!("at most {NESTING_LIMIT} levels are read"))
-                .help("give the inner parts names with `let`"),
-        );
-    }
-    for piece in pieces.pieces {
-        let part = &text[piece.clone()];
-        match Grammar::parse(Rule::file, part) {
-            Ok(pairs) => {
-                let mut builder = Builder::new(file, piece.start, text);
-                tree.statements.extend(builder.file(pairs));
-                let (junk, found) = builder.finish();
-                findings.extend(found);
-                findings.extend(junk.into_iter().map(|range| explain(file, text, range)));
-            }
-            // The rule takes any text: what is left is pest's own limit on the depth of its calls.
-            Err(_) => findings.push(
-                Finding::error(
-                    "nesting-limit",
-                    Span::new(file, piece.start, piece.end.min(piece.start + 1)),
-                    "the statement is nested too deeply",
-                )
-                .label("starts here")
-                .help("give the inner parts names with `let`"),
-            ),
-        }
-    }
+    let mut findings = Cut::new(text).read(file, text, &mut |statements| tree.statements.extend(statements));
     findings.sort_by_key(|finding| finding.origin.span());
     (tree, findings)
+}
+
+/// How many bytes of text are parsed at a time: enough to keep the threads busy, few enough that the trees stay small.
+const BATCH: usize = 256 << 10;
+
+/// A text cut into its top-level statements, none of which has been parsed.
+#[derive(Clone, Debug)]
+pub struct Cut {
+    /// Byte ranges, in order.
+    pieces: Vec<Range<usize>>,
+    too_deep: Vec<usize>,
+}
+
+impl Cut {
+    /// Cuts `text`, in one pass over its bytes.
+    pub fn new(text: &str) -> Self {
+        let Split { pieces, too_deep } = split(text);
+        Self { pieces, too_deep }
+    }
+
+    /// Parses the statements of `text`, which is the text that was cut, and shows them to `see` in their order, a batch at a
+    /// time. A large text is parsed in parallel, the next batch while `see` looks at one: no more than two batches are in
+    /// memory. Comes back with what is wrong with the text, in no order.
+    pub fn read(&self, file: FileId, text: &str, see: &mut dyn FnMut(Vec<Statement>)) -> Vec<Finding> {
+        self.read_by(BATCH, file, text, see)
+    }
+
+    fn read_by(&self, size: usize, file: FileId, text: &str, see: &mut dyn FnMut(Vec<Statement>)) -> Vec<Finding> {
+        let deep = |at: &usize| {
+            Finding::error("nesting-limit", Span::new(file, *at, at + 1), "brackets are nested too deeply")
+                .label(format!("level {}", NESTING_LIMIT + 1))
+                .note(format!("at most {NESTING_LIMIT} levels are read"))
+                .help("give the inner parts names with `let`")
+        };
+        let mut findings: Vec<Finding> = self.too_deep.iter().map(deep).collect();
+        let mut batches = self.batches(size);
+        let parse_all = |pieces: &[Range<usize>]| pieces.iter().map(|piece| parse_piece(file, text, piece)).collect();
+        let parse_many = |pieces: &[Range<usize>]| {
+            pieces.par_iter().with_min_len(32).map(|piece| parse_piece(file, text, piece)).collect()
+        };
+        let mut show = |parsed: Vec<Parsed>| {
+            let mut statements = Vec::new();
+            for Parsed { statements: some, findings: found } in parsed {
+                statements.extend(some);
+                findings.extend(found);
+            }
+            see(statements);
+        };
+        let Some(first) = batches.next() else { return findings };
+        let mut next = batches.next();
+        let mut parsed: Vec<Parsed> = if next.is_none() { parse_all(first) } else { parse_many(first) };
+        while let Some(pieces) = next {
+            let mut ahead = Vec::new();
+            rayon::in_place_scope(|scope| {
+                scope.spawn(|_| ahead = parse_many(pieces));
+                show(std::mem::take(&mut parsed));
+            });
+            parsed = ahead;
+            next = batches.next();
+        }
+        show(parsed);
+        findings
+    }
+
+    /// Runs of pieces that lie within `size` bytes, or of one that is larger.
+    fn batches(&self, size: usize) -> impl Iterator<Item = &[Range<usize>]> {
+        let mut rest = self.pieces.as_slice();
+        std::iter::from_fn(move || {
+            let end = rest.first()?.start + size;
+            let count = rest.partition_point(|piece| piece.end <= end).max(1);
+            let (batch, after) = rest.split_at(count);
+            rest = after;
+            Some(batch)
+        })
+    }
+
+    /// The names of values that statements declare, with the range of the name and the end of its statement. They are read
+    /// off the first words of the pieces, so that a statement that does not parse has its name too.
+    pub fn declared<'t>(&self, text: &'t str) -> impl Iterator<Item = (&'t str, Range<usize>, usize)> {
+        self.pieces.iter().filter_map(|piece| {
+            let (name, at) = declared(&text[piece.clone()])?;
+            let start = piece.start + at;
+            Some((name, start..start + name.len(), piece.end))
+        })
+    }
+}
+
+/// The value that the statement `piece` declares, and where its name stands.
+fn declared(piece: &str) -> Option<(&str, usize)> {
+    let mut rest = piece;
+    loop {
+        rest = rest.trim_start();
+        let Some(comment) = rest.strip_prefix("//") else { break };
+        rest = comment.split_once('\n')?.1;
+    }
+    let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_')?;
+    if !["let", "material", "mesh", "texture", "group", "param"].contains(&&rest[..end]) {
+        return None;
+    }
+    rest = rest[end..].trim_start();
+    let name = match rest.strip_prefix('`') {
+        Some(quoted) => {
+            rest = quoted;
+            quoted.split(['`', '\n']).next()?
+        }
+        None => &rest[..rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_').unwrap_or(rest.len())],
+    };
+    (!name.is_empty()).then(|| (name, piece.len() - rest.len()))
+}
+
+/// The statements of a piece, and what is wrong with it.
+#[derive(Default)]
+struct Parsed {
+    statements: Vec<Statement>,
+    findings: Vec<Finding>,
+}
+
+fn parse_piece(file: FileId, text: &str, piece: &Range<usize>) -> Parsed {
+    let Ok(pairs) = Grammar::parse(Rule::file, &text[piece.clone()]) else {
+        // The rule takes any text: what is left is pest's own limit on the depth of its calls.
+        let span = Span::new(file, piece.start, piece.end.min(piece.start + 1));
+        let finding = Finding::error("nesting-limit", span, "the statement is nested too deeply")
+            .label("starts here")
+            .help("give the inner parts names with `let`");
+        return Parsed { statements: Vec::new(), findings: vec![finding] };
+    };
+    let mut builder = Builder::new(file, piece.start, text);
+    let statements = builder.file(pairs);
+    let (junk, mut findings) = builder.finish();
+    findings.extend(junk.into_iter().map(|range| explain(file, text, range)));
+    Parsed { statements, findings }
 }
 
 /// How much of a text is looked at first for its `scene` statement: it stands at the top by custom.
@@ -171,6 +274,53 @@ mod tests {
         let (tree, findings) = run(text);
         assert_eq!(tree.statements.len(), 5, "lts, b, c, e, f: {tree:#?} {findings:#?}");
         assert_eq!(findings.len(), 4, "{findings:#?}");
+    }
+
+    /// Statements, good and broken, and brackets that hold several.
+    fn many() -> String {
+        let deep = format!("let deep = {}1{}\n", "(".repeat(200), ")".repeat(200));
+        let mut text = "lts 1\n".to_owned();
+        for at in 0..60 {
+            text.push_str(&format!(
+                "/// Number {at}.\nlet a{at} = {at} + 1 // one\nshape s{at} = ball |> scale({at}) with m\n"
+            ));
+            match at % 7 {
+                0 => text.push_str(&format!("let b{at} = = 3\n")),
+                1 => text.push_str("group g { shape x = (1, with m\n    let y = 2 }\n"),
+                2 => text.push_str("shpae z = 4\n}\n"),
+                3 if at == 24 => text.push_str(&deep),
+                _ => text.push_str("if a { let c = \"\u{e9}\" } else { let d = [1, 2] }\n"),
+            }
+        }
+        text
+    }
+
+    #[test]
+    fn batches_change_nothing() {
+        let text = many();
+        let (whole, found) = run(&text);
+        assert!(whole.statements.len() > 120 && found.len() > 25, "{} {}", whole.statements.len(), found.len());
+        for size in [1, 100, 1000, 5000] {
+            let (mut statements, mut shows) = (Vec::new(), 0);
+            let mut findings = Cut::new(&text).read_by(size, whole.file, &text, &mut |some| {
+                statements.extend(some);
+                shows += 1;
+            });
+            findings.sort_by_key(|finding| finding.origin.span());
+            assert!(shows > 1);
+            assert_eq!((&statements, &findings), (&whole.statements, &found), "batches of {size}");
+        }
+    }
+
+    #[test]
+    fn names_are_read_off_the_first_words() {
+        let text = "lts 1\n// let no = 1\n/// let no = 1\nlet a = 1\nmesh `b c` = d\nshape e = f with g\nmaterial = x\n\
+                    group h(i: number) { let j = 1 }\nparam k: number = 2\nlet l = = 3";
+        let found: Vec<(&str, &str)> =
+            Cut::new(text).declared(text).map(|(name, range, end)| (name, &text[range.start..end])).collect();
+        let names: Vec<&str> = found.iter().map(|(name, _)| *name).collect();
+        assert_eq!(names, ["a", "b c", "h", "k", "l"]);
+        assert!(found.iter().all(|(name, rest)| rest.starts_with(name)));
     }
 
     #[test]
