@@ -99,10 +99,10 @@ pub fn check(files: &dyn Files, sources: &mut Sources, path: &VPath, options: &O
     if let Some(finding) = foreign(path) {
         return Checked { findings: vec![finding], ..Checked::default() };
     }
-    let Evaluated { scene, mut findings, allows, inputs, library, parameters, unused } =
+    let Evaluated { scene, mut findings, allows, inputs, library, parameters, unused, lengthened } =
         eval::evaluate(files, sources, path, &options.overrides);
     let unused = unused.into_iter().map(|eval::Unused { kind, name, span }| UnusedName { kind, name, span }).collect();
-    let around = Around { scenes: options.scenes.clone(), unused };
+    let around = Around { scenes: options.scenes.clone(), unused, lengthened };
     let lint = |scene| lint::lint(scene, &around, &options.levels, &options.targets);
     let mut linted = scene.as_ref().map(lint).unwrap_or_default();
     if !options.no_allow {

@@ -236,8 +236,12 @@ impl Interpreter<'_> {
             remarks: Vec::new(),
         };
         let built = (row.build)(&args, &mut site);
-        for (message, help) in site.remarks {
-            self.findings.push(Finding::warn("mesh-file", call.span, message).maybe_help(help));
+        for table::Remark { message, help, lengths } in site.remarks {
+            if lengths {
+                self.lengthened.push((call.span, message));
+            } else {
+                self.findings.push(Finding::warn("mesh-file", call.span, message).maybe_help(help));
+            }
         }
         let file = key.is_some();
         if let Some(key) = key {

@@ -99,6 +99,8 @@ pub struct Evaluated {
     pub parameters: Vec<SceneParameter>,
     /// Names that the file, or a library that it uses, declares in vain.
     pub unused: Vec<Unused>,
+    /// Where mesh files with normals of another length than 1 are read, and what was done about it.
+    pub lengthened: Vec<(Span, String)>,
 }
 
 /// Reads and evaluates the file at `path`. Texts that were read are added to `sources`.
@@ -114,9 +116,10 @@ pub fn evaluate(files: &dyn Files, sources: &mut Sources, path: &VPath, override
     if let Some(module) = loaded {
         scene = interpreter.assemble(module, path, overrides).filter(|_| !malformed(&interpreter.findings));
     }
-    let Interpreter { mut findings, allows, inputs, scene_parameters: parameters, unused, .. } = interpreter;
+    let Interpreter { mut findings, allows, inputs, scene_parameters: parameters, unused, lengthened, .. } =
+        interpreter;
     findings.sort_by_key(|finding| finding.origin.span());
-    Evaluated { scene, findings, allows, inputs, library, parameters, unused }
+    Evaluated { scene, findings, allows, inputs, library, parameters, unused, lengthened }
 }
 
 /// The name and documentation of the scene in the file at `path`; none for a library and for what cannot be read. Nothing but
@@ -160,6 +163,7 @@ struct Interpreter<'f> {
     /// Parameters met.
     scene_parameters: Vec<SceneParameter>,
     unused: Vec<Unused>,
+    lengthened: Vec<(Span, String)>,
 }
 
 impl<'f> Interpreter<'f> {
@@ -181,6 +185,7 @@ impl<'f> Interpreter<'f> {
             set,
             scene_parameters: Vec::new(),
             unused: Vec::new(),
+            lengthened: Vec::new(),
         }
     }
 }

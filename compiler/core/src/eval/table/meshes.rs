@@ -9,7 +9,7 @@ use crate::mesh::{self, Extent, Geometry, MeshError, SignedAxis};
 
 use super::super::module::beside_help;
 use super::super::value::{MeshValue, Ty, Value};
-use super::{Args, Constructor, Family, Parameter, Problem, Site};
+use super::{Args, Constructor, Family, Parameter, Problem, Remark, Site};
 
 pub(super) const ROWS: &[Constructor] = &[
     Constructor {
@@ -229,7 +229,8 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     })?;
     for note in notes.into_iter().filter(|note| note.severity >= Severity::Warn) {
         let place = if note.place.is_empty() { String::new() } else { format!(", {}", note.place) };
-        site.remarks.push((format!("`{path}`{place}: {}", note.message), note.help));
+        let message = format!("`{path}`{place}: {}", note.message);
+        site.remarks.push(Remark { message, help: note.help, lengths: note.lengths });
     }
     Ok(value(geometry, site))
 }

@@ -259,7 +259,17 @@ pub(super) struct Site<'s> {
     /// What the evaluator does for it.
     pub host: &'s mut dyn Host,
     /// Things to say although the value could be made.
-    pub remarks: Vec<(String, Option<String>)>,
+    pub remarks: Vec<Remark>,
+}
+
+/// Something to say although the value could be made.
+pub(super) struct Remark {
+    /// What was changed or left out.
+    pub message: String,
+    /// What to do about it.
+    pub help: Option<String>,
+    /// Whether it is about normals of another length than 1: then lint says it.
+    pub lengths: bool,
 }
 
 impl Site<'_> {
