@@ -643,3 +643,24 @@ fn the_readme_names_what_there_is() {
         assert!(text.contains(driver.name), "README.md does not name {}", driver.name);
     }
 }
+
+#[test]
+fn the_manual_is_printed_written_and_checked() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let out = folder.path().join("docs");
+    let manual = |more: &[&str]| run(ltsc().arg("manual").args(more));
+    let written = |more: &[&str]| run(ltsc().args(["manual", "-o"]).arg(&out).args(more));
+    assert_eq!(written(&["--check"]).code, Some(1));
+    assert!(!out.exists());
+    assert_eq!(written(&[]).code, Some(0));
+    assert_eq!(files_below(&out), ["findings.md", "reference.md", "targets.md"]);
+    assert_eq!(manual(&["targets"]).out, fs::read_to_string(out.join("targets.md")).expect("a page"));
+    assert_eq!(written(&["--check"]).code, Some(0));
+    fs::write(out.join("targets.md"), "mine").expect("a write");
+    let stale = written(&["--check"]);
+    assert!(stale.code == Some(1) && stale.out.contains("targets.md") && !stale.out.contains("findings.md"));
+    let unknown = manual(&["refrence"]);
+    assert!(unknown.code == Some(2) && unknown.err.contains("did you mean `reference`?"), "{}", unknown.err);
+    assert!(manual(&[]).out.contains("reference"));
+    assert_eq!(manual(&["reference", "-o", "x"]).code, Some(2));
+}

@@ -1,5 +1,6 @@
-//! `generated/`: what every target becomes for every scene, as files that other programs open. A change of an emitter shows
-//! there as a reviewable difference; binary files show in the manifest by their hash.
+//! What is made and committed. `generated/`: what every scene becomes for every target, as files that other programs open; a
+//! change of an emitter shows there as a reviewable difference, binary files show in the manifest by their hash. `docs/`: the
+//! pages that ltsc writes.
 
 use std::fs;
 
@@ -52,4 +53,11 @@ fn manifests_name_every_generated_file() {
     }
     let strays: Vec<&String> = files.iter().filter(|path| !path.contains('/')).collect();
     assert!(strays.is_empty(), "files of nobody: {strays:?}");
+}
+
+#[test]
+fn the_manual_is_what_ltsc_says() {
+    let ran =
+        run(ltsc().args(if bless() { &["manual", "-o", "docs"][..] } else { &["manual", "-o", "docs", "--check"] }));
+    assert_eq!(ran.code, Some(0), "run `cargo run -- manual -o docs`\n{}{}", ran.out, ran.err);
 }

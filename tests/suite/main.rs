@@ -2,6 +2,7 @@
 
 mod cases;
 mod cli;
+mod fixes;
 mod format;
 mod geometry;
 mod gltf;
@@ -9,6 +10,7 @@ mod golden;
 mod mutations;
 mod outputs;
 mod page_cases;
+mod pre_commit;
 mod render;
 mod thesis;
 mod tidy;

@@ -16,6 +16,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("npy", &[]),
     ("syntax", &["diag"]),
     ("format", &["syntax", "diag"]),
+    ("fix", &["syntax", "diag"]),
     ("mesh", &["ir", "diag"]),
     ("eval", &["syntax", "ir", "mesh", "npy", "diag", "files"]),
     ("valid", &["ir", "mesh", "diag"]),
@@ -24,7 +25,8 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("lint", &["ir", "mesh", "survey", "diag"]),
     ("capability", &["ir", "mesh", "diag"]),
     ("formats", &["ir", "mesh", "valid", "capability", "diag", "files"]),
-    ("pipeline", &["capability", "diag", "eval", "files", "formats", "ir", "lint", "lower", "syntax", "valid"]),
+    ("manual", &["capability", "diag", "eval", "formats", "ir", "lint", "syntax"]),
+    ("pipeline", &["capability", "diag", "eval", "files", "fix", "formats", "ir", "lint", "lower", "syntax", "valid"]),
 ];
 
 fn rust_files(folder: &str) -> Vec<(String, String)> {

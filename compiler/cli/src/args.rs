@@ -63,7 +63,7 @@ pub enum Command {
     Build(Build),
     /// Check scenes: errors, and where they leave what renderers agree on.
     #[command(
-        after_help = "Examples:\n  ltsc lint\n  ltsc lint scenes-src/ring.lts --format short\n  ltsc lint --deny warnings --format github\n  ltsc lint --format sarif > ltsc.sarif\n  ltsc lint --target pbrt-v4 --deny loss-approximated\n  ltsc explain smooth-emitter"
+        after_help = "Examples:\n  ltsc lint\n  ltsc lint scenes-src/ring.lts --format short\n  ltsc lint --deny warnings --format github\n  ltsc lint --format sarif > ltsc.sarif\n  ltsc lint --target pbrt-v4 --deny loss-approximated\n  ltsc lint --fix            (--diff shows what it would change)\n  ltsc explain smooth-emitter"
     )]
     Lint(Lint),
     /// Give scenes and libraries their one canonical form.
@@ -98,6 +98,13 @@ pub enum Command {
         after_help = "Examples:\n  ltsc explain smooth-emitter\n  ltsc explain diffuse\n  ltsc explain --target luxcore\n  ltsc explain            (lists what can be explained)"
     )]
     Explain(Explain),
+    /// Print the reference manual in Markdown, or write it.
+    ///
+    /// Made from the tables that the compiler itself runs on: the language with every constructor, the findings, the targets.
+    #[command(
+        after_help = "Examples:\n  ltsc manual                  (lists the pages)\n  ltsc manual reference | less\n  ltsc manual -o docs\n  ltsc manual -o docs --check  (exit 1 where a file is not what it would become)"
+    )]
+    Manual(Manual),
     /// Print the completions of a shell.
     #[command(after_help = "Example:\n  ltsc completions bash > ~/.local/share/bash-completion/completions/ltsc")]
     Completions {
@@ -189,6 +196,12 @@ pub struct Build {
 pub struct Lint {
     /// Scene files, or folders with scenes.
     pub paths: Vec<PathBuf>,
+    /// Write the scenes anew where a finding has one right answer; nothing else in them changes.
+    #[arg(long)]
+    pub fix: bool,
+    /// Write nothing; show what `--fix` would change, and exit with 1 if it would.
+    #[arg(long)]
+    pub diff: bool,
     /// Leave out limits that exist for other targets only, and say what these cannot say exactly.
     #[arg(long, value_name = "TARGET", value_delimiter = ',')]
     pub target: Vec<String>,
@@ -327,4 +340,17 @@ pub struct Explain {
     /// What a target can say, and how exactly.
     #[arg(long, value_name = "TARGET")]
     pub target: Option<String>,
+}
+
+#[derive(Args, Debug)]
+pub struct Manual {
+    /// The page: `reference`, `findings`, `targets`.
+    #[arg(conflicts_with = "output")]
+    pub page: Option<String>,
+    /// Write all pages into this folder, each as `<page>.md`.
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Write nothing; exit with 1 and name the files where the folder is not what it would become.
+    #[arg(long, requires = "output")]
+    pub check: bool,
 }

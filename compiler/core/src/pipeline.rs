@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::io;
 
 use crate::capability::{Support, features};
-use crate::diag::{Finding, Origin, Severity, Sources, Suppression};
+use crate::diag::{FileId, Finding, Origin, Severity, Sources, Suppression};
 use crate::eval::{self, Allow, Evaluated, Overrides, SceneParameter};
 use crate::files::{Bytes, Files, Sink, VPath};
+use crate::fix;
 use crate::formats::{self, Emission, Target};
 use crate::ir::{Camera, Documentation, Handle, Scene};
 use crate::lint::{self, Around, Levels, UnusedName};
@@ -106,16 +107,18 @@ pub fn check(files: &dyn Files, sources: &mut Sources, path: &VPath, options: &O
     let lint = |scene| lint::lint(scene, &around, &options.levels, &options.targets);
     let mut linted = scene.as_ref().map(lint).unwrap_or_default();
     if !options.no_allow {
-        findings.extend(suppress(&mut linted, &allows, scene.is_some(), options));
+        let main = scene.as_ref().and_then(|_| sources.find(path.as_str()));
+        findings.extend(suppress(&mut linted, &allows, main, options));
     }
     options.levels.judge(&mut findings);
     findings.append(&mut linted);
     findings.sort_by_key(|finding| finding.origin.span());
+    fix::propose(&mut findings, sources);
     Checked { scene, findings, library, inputs, parameters }
 }
 
 /// Gives findings that an `allow` covers the severity [`Severity::Allow`]; says which suppressions are unknown or unused.
-fn suppress(linted: &mut [Finding], allows: &[Allow], complete: bool, options: &Options) -> Vec<Finding> {
+fn suppress(linted: &mut [Finding], allows: &[Allow], main: Option<FileId>, options: &Options) -> Vec<Finding> {
     let mut findings = Vec::new();
     for allow in allows {
         let Some(rule) = lint::find(&allow.id) else {
@@ -143,8 +146,8 @@ fn suppress(linted: &mut [Finding], allows: &[Allow], complete: bool, options: &
                 used = true;
             }
         }
-        // A rule that was not asked finds nothing to suppress.
-        if !used && complete && options.levels.ask(rule, &options.targets) {
+        // A rule that was not asked finds nothing to suppress, and what a library allows may be found in another scene.
+        if !used && main == Some(allow.span.file) && options.levels.ask(rule, &options.targets) {
             findings.push(
                 Finding::warn("unused-allow", allow.span, format!("`allow {}` suppresses nothing", allow.id))
                     .help("remove it"),

@@ -5,8 +5,10 @@ mod completions;
 mod diff;
 mod emit;
 mod explain;
+mod fixes;
 mod fmt;
 mod lint;
+mod manual;
 mod render;
 mod renderers;
 mod shared;
@@ -28,6 +30,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Diff(command) => diff::run(&command),
         Command::Renderers(command) => renderers::run(&command),
         Command::Explain(command) => explain::run(&command),
+        Command::Manual(command) => manual::run(&command),
         Command::Completions { shell } => completions::run(shell),
     };
     let exit = done.unwrap_or_else(|failure| {
@@ -50,6 +53,6 @@ fn format_of(command: &Command) -> Format {
             RenderersAction::List { format } => format,
             RenderersAction::Install { .. } => Format::Human,
         },
-        Command::Fmt(_) | Command::Explain(_) | Command::Completions { .. } => Format::Human,
+        Command::Fmt(_) | Command::Explain(_) | Command::Manual(_) | Command::Completions { .. } => Format::Human,
     }
 }

@@ -1,0 +1,64 @@
+//! `ltsc manual`: the reference manual, printed or written.
+
+use std::fs;
+use std::path::Path;
+
+use ltsc_core::diag::nearest;
+use ltsc_core::manual::{self, PAGES};
+
+use crate::args::Manual;
+use crate::disk::{unwritable, write_atomically};
+use crate::output::{Exit, Failure};
+use crate::terminal;
+
+pub fn run(command: &Manual) -> Result<Exit, Failure> {
+    match (&command.page, &command.output) {
+        (_, Some(folder)) => write(folder, command.check),
+        (Some(name), None) => {
+            let page = manual::find(name).ok_or_else(|| unknown(name))?;
+            terminal::print(&(page.text)());
+            Ok(Exit::Done)
+        }
+        (None, None) => {
+            let lines: Vec<String> = PAGES.iter().map(|page| format!("{:<12} {}\n", page.name, page.summary)).collect();
+            terminal::print(&lines.concat());
+            Ok(Exit::Done)
+        }
+    }
+}
+
+fn unknown(name: &str) -> Failure {
+    let names = PAGES.iter().map(|page| page.name);
+    let failure = Failure::new(Exit::Usage, format!("the manual has no page `{name}`"));
+    match nearest(name, names.clone()) {
+        Some(similar) => failure.help(format!("did you mean `{similar}`?")),
+        None => failure.help(format!("it has {}", names.collect::<Vec<_>>().join(", "))),
+    }
+}
+
+/// Writes the pages that are not yet what they should be, or only names them.
+fn write(folder: &Path, check: bool) -> Result<Exit, Failure> {
+    let mut stale = 0;
+    for page in PAGES {
+        let path = folder.join(page.file());
+        let text = (page.text)();
+        if fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
+            continue;
+        }
+        stale += 1;
+        if check {
+            terminal::print(&format!("stale: {}\n", path.display()));
+        } else {
+            write_atomically(&path, &mut |out| out.write_all(text.as_bytes()))
+                .map_err(|error| unwritable(folder, &error))?;
+            terminal::print(&format!("{} written\n", path.display()));
+        }
+    }
+    let place = folder.display();
+    match (stale, check) {
+        (0, _) => terminal::say(&format!("{place}: nothing to do, all pages are up to date")),
+        (_, true) => terminal::say(&format!("{place} is stale; `ltsc manual -o {place}` brings it up to date")),
+        (_, false) => {}
+    }
+    Ok(if check && stale > 0 { Exit::No } else { Exit::Done })
+}

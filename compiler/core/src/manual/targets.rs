@@ -1,0 +1,74 @@
+//! The page of targets: what each answers to every feature.
+
+use crate::capability::{Feature, Support};
+use crate::formats::{TARGETS, Target};
+
+use super::{MADE, anchor, capital, cell};
+
+pub(super) fn page() -> String {
+    let mut text = format!(
+        "# Targets\n\n{MADE}\n\
+         For each thing that a scene can ask for, each target answers: **exact** (it means the same), *nearly* (with what differs \
+         and by how much)\nor **no** (it is left out, with the finding `loss-dropped`). A build says which of these concern its \
+         scenes; `ltsc explain --target NAME`\nprints one target. [conventions.md](conventions.md) has the mappings and the \
+         measurements.\n\n| target | aliases | what it is | file to open |\n|---|---|---|---|\n"
+    );
+    for target in TARGETS {
+        let aliases: Vec<String> = target.aliases.iter().map(|name| format!("`{name}`")).collect();
+        text.push_str(&format!(
+            "| [`{}`](#{}) | {} | {} | `{}` |\n",
+            target.name,
+            anchor(target.name),
+            aliases.join(", "),
+            cell(target.summary),
+            target.main_file
+        ));
+    }
+    text.push_str("\n## Who says what\n\n| | ");
+    text.push_str(&TARGETS.iter().map(|target| format!("`{}`", target.name)).collect::<Vec<_>>().join(" | "));
+    text.push_str(&format!(" |\n|---{}|\n", "|---".repeat(TARGETS.len())));
+    for feature in Feature::ALL {
+        let answers: Vec<&str> = TARGETS
+            .iter()
+            .map(|target| match (target.supports)(*feature) {
+                Support::Exact => "exact",
+                Support::Approximate { why: _, bound: _ } => "*nearly*",
+                Support::Unsupported { why: _ } => "**no**",
+            })
+            .collect();
+        text.push_str(&format!("| {} | {} |\n", cell(&capital(feature.name())), answers.join(" | ")));
+    }
+    for target in TARGETS {
+        text.push_str(&section(target));
+    }
+    text
+}
+
+/// What one target does not say exactly.
+fn section(target: &Target) -> String {
+    let mut nearly = String::new();
+    let mut dropped = String::new();
+    let mut exact = 0;
+    for feature in Feature::ALL {
+        match (target.supports)(*feature) {
+            Support::Exact => exact += 1,
+            Support::Approximate { why, bound } => nearly.push_str(&format!(
+                "- *{}.* {}. How much: {}.\n",
+                capital(feature.name()),
+                capital(why).trim_end_matches('.'),
+                bound.trim_end_matches('.')
+            )),
+            Support::Unsupported { why } => {
+                dropped.push_str(&format!("- *{}.* {}.\n", capital(feature.name()), capital(why).trim_end_matches('.')))
+            }
+        }
+    }
+    let mut text =
+        format!("\n## `{}`\n\n{}. {exact} of {} exactly.\n", target.name, target.summary, Feature::ALL.len());
+    for (title, list) in [("Nearly", nearly), ("Not at all", dropped)] {
+        if !list.is_empty() {
+            text.push_str(&format!("\n**{title}**\n\n{list}"));
+        }
+    }
+    text
+}
