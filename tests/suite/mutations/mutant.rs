@@ -2,20 +2,20 @@
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::sync::Arc;
 
 use ltsc_core::diag::{Finding, Origin, Severity, Sources};
 use ltsc_core::eval::{self, Evaluated, Limits, Overrides};
 use ltsc_core::files::{MemoryFiles, VPath};
 use ltsc_core::ir::{
-    Camera, Documentation, Handle, Material, Mesh, Scene, Shape, Vec3, cross, dot, length, normalized, sub,
+    Affine, Camera, Documentation, Handle, Material, Mesh, Scene, Shape, Vec3, cross, dot, length, normalized, sub,
 };
-use ltsc_core::lint::{Around, lint};
-use ltsc_core::mesh::face_normal;
+use ltsc_core::lint::{Around, Levels, lint};
 use ltsc_core::pipeline;
 use ltsc_core::survey::Survey;
 
 use super::super::{files_below, root};
-use super::levels;
+use super::every_rule;
 
 /// A code and a message.
 pub type Found = (String, String);
@@ -28,14 +28,6 @@ pub struct Mutant {
     pub scenes: BTreeMap<String, Documentation>,
     /// Its text, from which edits of the text are evaluated anew.
     pub text: String,
-}
-
-/// A flat place of a surface: its middle lies in a corner where no scene has anything else.
-pub struct Place {
-    pub middle: Vec3,
-    /// Unit vectors: in the plane, and across it to the front.
-    pub along: Vec3,
-    pub normal: Vec3,
 }
 
 impl Mutant {
@@ -60,9 +52,9 @@ impl Mutant {
     }
 
     /// What lint finds.
-    pub fn findings(&self) -> Vec<Found> {
-        let around = Around { scenes: self.scenes.clone(), unused: Vec::new() };
-        pairs(&lint(&self.scene, &around, &levels(), &[]))
+    pub fn findings(&self, levels: &Levels) -> Vec<Found> {
+        let around = Around { scenes: self.scenes.clone(), ..Around::default() };
+        pairs(&lint(&self.scene, &around, levels, &[]))
     }
 
     /// What validation refuses.
@@ -74,15 +66,15 @@ impl Mutant {
     /// Adds the meshes, materials, shapes and lights of a piece of text, which uses no names of the scene; what is wrong with the
     /// text comes back.
     pub fn graft(&mut self, text: &str) -> Result<(), Vec<Found>> {
-        let piece = evaluated(&MemoryFiles::default(), text)?;
+        let piece = evaluated(text)?;
         let scene = &mut self.scene;
-        let meshes: Vec<Handle<Mesh>> =
-            piece.meshes.values().map(|mesh| scene.meshes.push(mesh.clone(), here())).collect();
         let materials: Vec<Handle<Material>> =
             piece.materials.values().map(|material| scene.materials.push(material.clone(), here())).collect();
         for shape in piece.shapes.values() {
-            let (mesh, material) = (meshes[shape.mesh.index()], materials[shape.material.index()]);
-            let _handle = scene.shapes.push(Shape { mesh, material, ..shape.clone() }, here());
+            let mesh = scene.meshes.push(in_place(&piece.meshes[shape.mesh], &shape.transform), here());
+            let material = materials[shape.material.index()];
+            let transform = Affine::IDENTITY;
+            let _handle = scene.shapes.push(Shape { mesh, material, transform, ..shape.clone() }, here());
         }
         for light in piece.lights.values() {
             let _handle = scene.lights.push(light.clone(), here());
@@ -135,27 +127,9 @@ impl Mutant {
         [bounds.high[0] + 4.0, y, z]
     }
 
-    /// A place on a flat surface that emits nothing, 4 units from its corner along both sides.
-    pub fn wall(&self) -> Place {
-        let survey = Survey::of(&self.scene);
-        for placed in survey.placed.iter().filter(|placed| placed.shape.emission.is_none()) {
-            let triangles: Vec<[Vec3; 3]> = survey.triangles(placed).collect();
-            let [a, b, c] = triangles[0];
-            let Some(normal) = face_normal([a, b, c]) else { continue };
-            let flat = |p: &Vec3| dot(normal, sub(*p, a)).abs() < 1e-6;
-            if triangles.len() > 2 || !triangles.iter().flatten().all(flat) {
-                continue;
-            }
-            // The corner with the right angle, and the sides that begin there.
-            let sides = [[a, b, c], [b, c, a], [c, a, b]].map(|[p, q, r]| (p, sub(q, p), sub(r, p)));
-            let square =
-                |(_, one, other): &&(Vec3, Vec3, Vec3)| dot(*one, *other).abs() < 1e-6 * length(*one) * length(*other);
-            let Some((corner, one, other)) = sides.iter().find(square) else { continue };
-            let (Some(along), Some(up)) = (normalized(*one), normalized(*other)) else { continue };
-            let middle = [0, 1, 2].map(|axis| corner[axis] + 4.0 * (along[axis] + up[axis]));
-            return Place { middle, along, normal };
-        }
-        panic!("{} has no flat wall", self.scene.name);
+    /// The middle of the first surface.
+    pub fn aim(&self) -> Vec3 {
+        Survey::of(&self.scene).placed[0].bounds.center()
     }
 
     /// Evaluates the text of the scene with a change; what is found comes back, lint included.
@@ -169,19 +143,14 @@ impl Mutant {
         let text = change(&self.text);
         assert_ne!(text, self.text, "the edit changes nothing");
         files.insert(name.clone(), text);
-        let options =
-            pipeline::Options { levels: levels(), no_allow: true, scenes: self.scenes.clone(), ..Default::default() };
+        let options = pipeline::Options {
+            levels: every_rule(),
+            no_allow: true,
+            scenes: self.scenes.clone(),
+            ..Default::default()
+        };
         let path = VPath::resolve("", &name).expect("a path");
         pairs(&pipeline::check(&files, &mut Sources::default(), &path, &options).findings)
-    }
-}
-
-impl Place {
-    /// The stage that puts a mesh that was made around the origin at the place, its z to the front, `up` above the surface.
-    pub fn frame(&self, up: f64) -> String {
-        let [middle, along, normal] = [self.middle, self.along, self.normal];
-        let origin = [0, 1, 2].map(|axis| middle[axis] + up * normal[axis]);
-        format!("|> frame(x: {}, z: {}, origin: {})", words(along), words(normal), words(origin))
     }
 }
 
@@ -190,9 +159,26 @@ pub fn words([x, y, z]: Vec3) -> String {
     format!("({x}, {y}, {z})")
 }
 
+/// A mesh with the transform in its vertices.
+fn in_place(mesh: &Mesh, map: &Affine) -> Mesh {
+    let mut moved = mesh.clone();
+    if *map == Affine::IDENTITY {
+        return moved;
+    }
+    for position in Arc::make_mut(&mut moved.positions) {
+        *position = map.point(position.map(f64::from)).map(|x| x as f32);
+    }
+    let cofactors = map.cofactors();
+    for normal in moved.normals.iter_mut().flat_map(|normals| Arc::make_mut(normals)) {
+        let turned = cofactors.map(|row| dot(row, normal.map(f64::from)));
+        *normal = normalized(turned).expect("a normal").map(|x| x as f32);
+    }
+    moved
+}
+
 /// The scene of a piece of text, or what is wrong with it.
-pub fn evaluated(files: &MemoryFiles, text: &str) -> Result<Scene, Vec<Found>> {
-    let mut files = files.clone();
+fn evaluated(text: &str) -> Result<Scene, Vec<Found>> {
+    let mut files = MemoryFiles::default();
     let header = "lts 1\nscene piece {}\ncamera = perspective(eye: (0, -9, 2), target: (0, 0, 2), fov_x: 45deg)\n\
                   film = image(8, 8)\nintegrator = path(max_depth: 3)\nsampler = independent(samples: 4)\n";
     files.insert("piece.lts", format!("{header}{text}\n"));
