@@ -1,5 +1,6 @@
 //! Every limit that lint knows, broken once in each scene: the rule that is for it must find it, and no other rule may speak that
-//! has no reason to. The result is a table in `docs/lint.md`.
+//! has no reason to. The result is a table in `docs/lint.md`. A plain run asks only the rules that are for a defect; a run that
+//! rewrites expectations, or that requires all, asks every rule about every broken scene, which takes minutes.
 
 mod defects;
 mod mutant;

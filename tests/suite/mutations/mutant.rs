@@ -8,7 +8,7 @@ use ltsc_core::diag::{Finding, Origin, Severity, Sources};
 use ltsc_core::eval::{self, Evaluated, Limits, Overrides};
 use ltsc_core::files::{MemoryFiles, VPath};
 use ltsc_core::ir::{
-    Affine, Camera, Documentation, Handle, Material, Mesh, Scene, Shape, Vec3, cross, dot, length, normalized, sub,
+    Affine, Camera, Documentation, Handle, Material, Mesh, Scene, Shape, Vec3, cross, dot, normalized, sub,
 };
 use ltsc_core::lint::{Around, Levels, lint};
 use ltsc_core::pipeline;
