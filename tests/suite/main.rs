@@ -4,6 +4,7 @@ mod cases;
 mod cli;
 mod fixes;
 mod format;
+mod gallery;
 mod geometry;
 mod gltf;
 mod golden;

@@ -210,21 +210,22 @@ pub fn camera(scene: &Scene, name: Option<&str>) -> Option<Handle<Camera>> {
     found.map(|(handle, _)| handle)
 }
 
-/// Writes one self-contained folder for one target, meshes inside.
+/// Writes one self-contained folder for one target, meshes and images inside.
 ///
 /// # Errors
 /// What the sink says.
 pub fn emit_alone(scene: &Valid, camera: Handle<Camera>, target: &Target, sink: &mut dyn Sink) -> io::Result<()> {
     if target.shares_meshes {
         formats::write_meshes(scene, "meshes/", sink)?;
+        formats::write_textures(scene, "textures/", sink)?;
     }
-    (target.emit)(&Emission { scene, camera, meshes: "meshes/" }, sink)
+    (target.emit)(&Emission { scene, camera, meshes: "meshes/", textures: "textures/" }, sink)
 }
 
-/// Writes the folder of one target beside a folder `meshes` that targets share.
+/// Writes the folder of one target beside the folders `meshes` and `textures` that targets share.
 ///
 /// # Errors
 /// What the sink says.
 pub fn emit_shared(scene: &Valid, camera: Handle<Camera>, target: &Target, sink: &mut dyn Sink) -> io::Result<()> {
-    (target.emit)(&Emission { scene, camera, meshes: "../meshes/" }, sink)
+    (target.emit)(&Emission { scene, camera, meshes: "../meshes/", textures: "../textures/" }, sink)
 }

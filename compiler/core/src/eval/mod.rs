@@ -1,7 +1,7 @@
 //! Tree to Scene: names, types, units, constructors. Every error is a finding; evaluation goes on behind it.
 //!
 //! Reading order: `value`, `ops`, [`table`] (constructors), `expr` (expressions and calls), `function`, `numeric` (functions of numbers, translated), `module` (statements
-//! and `use`), `items` (shapes, instances, settings), `flow` (loops, conditions, parameters), `unused` (names), `assemble` (the Scene).
+//! and `use`), `items` (shapes, instances, settings), `flow` (loops, conditions, parameters), `synonyms` (words of other renderers), `unused` (names), `assemble` (the Scene).
 
 #![expect(clippy::wildcard_enum_match_arm, reason = "a value of any other type is the same mistake, and is reported")]
 
@@ -14,6 +14,7 @@ mod limits;
 mod module;
 mod numeric;
 mod ops;
+mod synonyms;
 mod table;
 mod unused;
 mod value;
@@ -24,7 +25,7 @@ use std::sync::Arc;
 
 use crate::diag::{Finding, Severity, Sources, Span};
 use crate::files::{Files, VPath};
-use crate::ir::{Affine, Documentation, Scene};
+use crate::ir::{Affine, Arena, Documentation, Scene, Texture};
 
 pub use limits::{Limit, Limits, parse_amount};
 pub use table::{Constructor, Family, Parameter, table};
@@ -133,6 +134,9 @@ pub fn header(files: &dyn Files, path: &VPath, limits: Limits) -> Option<(String
     Interpreter::new(files, &mut sources, &[], limits).header_alone(&tree)
 }
 
+/// How many steps of the way that led to an error are shown: calls, iterations, uses of files.
+const TRAIL: usize = 8;
+
 /// What has been reported and has no value.
 struct Reported;
 
@@ -147,8 +151,10 @@ struct Interpreter<'f> {
     /// Files whose evaluation has not ended, outermost first.
     loading: Vec<VPath>,
     inputs: BTreeMap<VPath, crate::files::Bytes>,
-    /// Meshes and tables read from files, by constructor, path and part.
-    meshes: BTreeMap<(&'static str, VPath, Option<String>), value::Value>,
+    /// Meshes, tables and textures read from files, by constructor, path, and part or encoding.
+    read: BTreeMap<(&'static str, VPath, Option<String>), value::Value>,
+    /// Textures so far, used or not.
+    textures: Arena<Texture>,
     /// Places read from files.
     scattered: BTreeMap<VPath, Arc<[Affine]>>,
     /// Calls and iterations up to now.
@@ -176,7 +182,8 @@ impl<'f> Interpreter<'f> {
             modules: BTreeMap::new(),
             loading: Vec::new(),
             inputs: BTreeMap::new(),
-            meshes: BTreeMap::new(),
+            read: BTreeMap::new(),
+            textures: Arena::default(),
             scattered: BTreeMap::new(),
             steps: 0,
             triangles: 0,

@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
-use crate::diag::{FileId, Finding, Span, nearest};
+use crate::diag::{FileId, Finding, Label, Severity, Span, nearest};
 use crate::files::{PathError, ReadError, VPath};
-use crate::ir::{Documentation, Film, Integrator, Sampler};
+use crate::ir::{Documentation, Film, Handle, Integrator, Sampler, Texture};
 use crate::syntax::{self, Cut, Expr, ExprKind, Kind, Name, Statement, StatementKind, Tree};
 
 use super::items::{self, InstanceNames, Item, Lit, Placed};
@@ -79,6 +79,13 @@ impl Scope {
 
     pub(super) fn names(&self) -> impl Iterator<Item = &str> + Clone {
         self.names.keys().map(String::as_str).chain(self.inner.iter().map(|(name, _, _)| name.as_str()))
+    }
+
+    /// The names that can be called.
+    pub(super) fn functions(&self) -> impl Iterator<Item = &str> + Clone {
+        let outer = self.names.iter().map(|(name, (value, _))| (name, value));
+        let all = outer.chain(self.inner.iter().map(|(name, value, _)| (name, value)));
+        all.filter(|(_, value)| matches!(value, Value::Function(_))).map(|(name, _)| name.as_str())
     }
 
     /// To be given to [`Scope::release`] when the names declared since go out of sight.
@@ -396,11 +403,11 @@ impl Interpreter<'_> {
         value: &Expr,
         with: Option<&Expr>,
     ) {
-        let good = matches!(kind, Kind::Let | Kind::Material | Kind::Mesh) && with.is_none();
+        let good = matches!(kind, Kind::Let | Kind::Material | Kind::Mesh | Kind::Texture) && with.is_none();
         let Some(name) = name.filter(|_| good) else {
             self.findings.push(
                 Finding::error("misplaced-parameters", span, format!("a {} takes no parameters", kind.word()))
-                    .note("`let`, `material` and `mesh` can be functions"),
+                    .note("`let`, `material`, `mesh` and `texture` can be functions"),
             );
             self.poison(scope, name);
             return;
@@ -480,9 +487,13 @@ impl Interpreter<'_> {
                 return None;
             }
         };
+        let before = self.findings.len();
         self.loading.push(resolved.clone());
         let module = self.file(file);
         self.loading.pop();
+        for finding in self.findings[before..].iter_mut().filter(|found| found.severity == Severity::Error) {
+            finding.labels.push(Label { span: path.span, text: "used here".to_owned() });
+        }
         if let Some(header) = &module.header {
             self.findings.push(
                 Finding::error(
@@ -574,14 +585,12 @@ impl Interpreter<'_> {
             return;
         }
         match kind {
-            Kind::Let | Kind::Material | Kind::Mesh => self.value_declaration(module, scope, kind, name, value),
+            Kind::Let | Kind::Material | Kind::Mesh | Kind::Texture => {
+                self.value_declaration(module, scope, kind, name, value)
+            }
             Kind::Shape | Kind::Emitter => self.item(module, scope, kind, name, value, with, span),
             Kind::Camera | Kind::Film | Kind::Integrator | Kind::Sampler => {
                 self.setting(module, scope, kind, name, value, span)
-            }
-            Kind::Texture => {
-                self.not_yet(span, "textures", "give the material a colour");
-                self.poison(scope, name);
             }
             Kind::Group => {
                 self.not_yet(span, "groups of files", "write `group name { shape part = file(...) with ... }`");
@@ -595,6 +604,7 @@ impl Interpreter<'_> {
         let family = match kind {
             Kind::Material => Some(Family::Material),
             Kind::Mesh => Some(Family::Mesh),
+            Kind::Texture => Some(Family::Texture),
             _ => None,
         };
         let evaluated = self.eval(scope, value, family).and_then(|found| match (kind, found) {
@@ -603,6 +613,7 @@ impl Interpreter<'_> {
                 Ok(Value::Material(Rc::new(MaterialValue { name: own, bsdf: material.bsdf.clone(), span: value.span })))
             }
             (Kind::Mesh, Value::Mesh(mesh)) => Ok(Value::Mesh(items::rename(mesh, name))),
+            (Kind::Texture, Value::Texture(texture)) => Ok(Value::Texture(self.renamed(texture, name, value.span))),
             (Kind::Let, found) => Ok(found),
             (_, found) => self.wrong_kind(kind, value.span, &found),
         });
@@ -611,6 +622,13 @@ impl Interpreter<'_> {
             // What a loop declares is gone behind its iteration.
             if module.depth > 0 { self.declare_inner(scope, name, made) } else { self.declare(scope, name, made) }
         }
+    }
+
+    /// A texture takes the name of its declaration; the image stays one.
+    pub(super) fn renamed(&mut self, texture: Handle<Texture>, name: Option<&Name>, span: Span) -> Handle<Texture> {
+        let Some(name) = name else { return texture };
+        let renamed = Texture { name: name.text.clone(), ..self.textures[texture].clone() };
+        self.textures.push(renamed, span)
     }
 
     pub(super) fn wrong_kind<T>(&mut self, kind: Kind, span: Span, found: &Value) -> Result<T, Reported> {

@@ -9,6 +9,7 @@ mod materials;
 mod meshes;
 mod settings;
 mod stages;
+mod textures;
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -16,7 +17,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::diag::Span;
 use crate::files::{Bytes, ReadError, VPath};
-use crate::ir::{Affine, Color, Vec3};
+use crate::ir::{Affine, Color, ColorOrTexture, Handle, Texture, Vec3};
 
 use super::function::Function;
 use super::value::{Ty, Value};
@@ -47,13 +48,15 @@ pub enum Family {
     Sampler,
     /// A color.
     Color,
+    /// An image on a surface.
+    Texture,
     /// A function of values.
     Function,
 }
 
 impl Family {
     /// All families in the order of the manual.
-    pub const ALL: [Self; 12] = [
+    pub const ALL: [Self; 13] = [
         Self::Material,
         Self::Emission,
         Self::Light,
@@ -65,6 +68,7 @@ impl Family {
         Self::Integrator,
         Self::Sampler,
         Self::Color,
+        Self::Texture,
         Self::Function,
     ];
 
@@ -82,6 +86,7 @@ impl Family {
             Self::Integrator => "an integrator",
             Self::Sampler => "a sampler",
             Self::Color => "a color",
+            Self::Texture => "a texture",
             Self::Function => "a function",
         }
     }
@@ -209,6 +214,14 @@ impl Args {
         }
     }
 
+    pub(super) fn color_or_texture(&self, name: &str) -> Option<ColorOrTexture> {
+        match self.get(name) {
+            Some(Value::Color(color)) => Some(ColorOrTexture::Color(*color)),
+            Some(Value::Texture(texture)) => Some(ColorOrTexture::Texture(*texture)),
+            _ => None,
+        }
+    }
+
     pub(super) fn vec3(&self, name: &str) -> Option<Vec3> {
         match self.get(name) {
             Some(Value::Vector(parts)) => Some([*parts.first()?, *parts.get(1)?, *parts.get(2)?]),
@@ -237,6 +250,9 @@ impl Args {
 pub(super) trait Host {
     /// Reads a file of the project.
     fn read(&mut self, path: &VPath) -> Result<Bytes, ReadError>;
+
+    /// Keeps a texture, made at `span`.
+    fn texture(&mut self, texture: Texture, span: Span) -> Handle<Texture>;
 
     /// Maps that have been read from a file and are to be kept for the next call that names it.
     fn scattered(&mut self) -> &mut BTreeMap<VPath, Arc<[Affine]>>;
@@ -292,8 +308,9 @@ impl Site<'_> {
 
 /// All rows, family by family.
 pub fn table() -> impl Iterator<Item = &'static Constructor> {
-    let parts: [&'static [Constructor]; 8] = [
+    let parts: [&'static [Constructor]; 9] = [
         materials::ROWS,
+        textures::ROWS,
         lights::ROWS,
         meshes::ROWS,
         generators::ROWS,
