@@ -13,6 +13,7 @@ mod outputs;
 mod page_cases;
 mod pre_commit;
 mod render;
+mod similar;
 mod thesis;
 mod tidy;
 

@@ -169,7 +169,7 @@ fn in_place(mesh: &Mesh, map: &Affine) -> Mesh {
         *position = map.point(position.map(f64::from)).map(|x| x as f32);
     }
     let cofactors = map.cofactors();
-    for normal in moved.normals.iter_mut().flat_map(|normals| Arc::make_mut(normals)) {
+    for normal in moved.normals.iter_mut().flat_map(Arc::make_mut) {
         let turned = cofactors.map(|row| dot(row, normal.map(f64::from)));
         *normal = normalized(turned).expect("a normal").map(|x| x as f32);
     }
