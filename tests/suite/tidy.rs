@@ -24,7 +24,8 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("lower", &["ir", "mesh", "diag"]),
     ("survey", &["ir", "diag"]),
     ("similar", &["ir"]),
-    ("lint", &["ir", "mesh", "survey", "diag"]),
+    ("contact", &["ir", "survey"]),
+    ("lint", &["ir", "mesh", "survey", "contact", "diag"]),
     ("capability", &["ir", "mesh", "diag"]),
     ("formats", &["ir", "mesh", "valid", "capability", "diag", "files"]),
     ("manual", &["capability", "diag", "eval", "formats", "ir", "lint", "syntax"]),
@@ -85,7 +86,7 @@ fn modules_of_the_core_use_only_what_lies_below_them() {
 
 #[test]
 fn a_format_knows_no_other_format() {
-    let formats = ["mitsuba", "pbrt", "luxcore", "gltf"];
+    let formats = ["mitsuba", "pbrt", "luxcore", "cycles", "gltf"];
     for (path, text) in rust_files("compiler/core/src/formats") {
         let Some((own, _)) = path.split_once('/') else { continue };
         for other in formats.into_iter().filter(|other| *other != own) {
