@@ -113,18 +113,28 @@ fn every_defect_is_caught_in_every_scene() {
         if possible == 0 {
             problems.push(format!("no scene has what `{}` needs", defect.what));
         }
-        let codes: Vec<String> = defect.codes.iter().map(|code| format!("`{code}`")).collect();
-        rows.push_str(&format!("| {} | {} | {caught}/{possible} | {wrong} |\n", defect.what, codes.join(", ")));
+        rows.push_str(&format!(
+            "| {} | {} | {caught}/{possible} | {} | {wrong} |\n",
+            defect.what,
+            list(defect.codes),
+            list(defect.also)
+        ));
     }
     assert!(problems.is_empty(), "{} problems:\n{}", problems.len(), problems.join("\n"));
     keep_current(&table(&rows, scenes.len()));
 }
 
+/// Codes for the table.
+fn list(codes: &[&str]) -> String {
+    codes.iter().map(|code| format!("`{code}`")).collect::<Vec<_>>().join(", ")
+}
+
 fn table(rows: &str, scenes: usize) -> String {
     format!(
         "{} defects, each injected into each of the {scenes} scenes that has what it takes. *Caught* counts the scenes in which the \
-         finding appears that the clean scene does not have, *wrong* the findings of other rules that the defect does not explain.\n\n\
-         | defect | finding | caught | wrong |\n|---|---|---|---|\n{rows}",
+         finding appears that the clean scene does not have, *also true* names findings that the defect may bring along, *wrong* counts all \
+         others.\n\n\
+         | defect | finding | caught | also true | wrong |\n|---|---|---|---|---|\n{rows}",
         DEFECTS.len()
     )
 }

@@ -59,6 +59,12 @@ fn graft(mutant: &mut Mutant, text: &str) -> Broken {
     }
 }
 
+/// Statements that are added at a flat wall: `@` is the stage that takes a mesh there, `%` the same a little higher.
+fn at_wall(mutant: &mut Mutant, text: &str, up: f64) -> Broken {
+    let place = mutant.wall();
+    graft(mutant, &text.replace('@', &place.frame(0.0)).replace('%', &place.frame(up)))
+}
+
 pub const DEFECTS: &[Defect] = &[
     // Meshes.
     scene!("a mesh without normals", ["missing-normals"], [], |mutant| mutant.opaque().normals = None),
@@ -140,6 +146,47 @@ pub const DEFECTS: &[Defect] = &[
         [],
         "shape plate = box(size: (2, 2, 0.001)) |> translate@ with diffuse(0.5)"
     ),
+    // Contacts.
+    Defect {
+        what: "two surfaces of different materials in one plane",
+        codes: &["overlapping-faces"],
+        also: &[],
+        inject: |mutant| {
+            at_wall(mutant, "shape rug = rectangle(x: -1..1, y: -1..1, z: 0, normal: Z) @ with diffuse(0.123)", 0.0)
+        },
+    },
+    Defect {
+        what: "a wall that is shifted into the plane of another, back to back",
+        codes: &["overlapping-faces"],
+        also: &[],
+        inject: |mutant| {
+            at_wall(mutant, "shape wall = rectangle(x: -1..1, y: -1..1, z: 0, normal: -Z) @ with diffuse(0.123)", 0.0)
+        },
+    },
+    Defect {
+        what: "an emitter that lies in a wall",
+        codes: &["emitter-in-wall"],
+        also: &[],
+        inject: |mutant| {
+            at_wall(mutant, "emitter tile = rectangle(x: -1..1, y: -1..1, z: 0, normal: Z) @ with radiance(1)", 0.0)
+        },
+    },
+    Defect {
+        what: "glass that stands on a wall",
+        codes: &["dielectric-contact"],
+        also: &[],
+        inject: |mutant| {
+            at_wall(mutant, "shape cube = box(x: -1..1, y: -1..1, z: 0..2) @ with dielectric(ior: 1.5)", 0.0)
+        },
+    },
+    Defect {
+        what: "glass closer to a wall than the renderers' offsets",
+        codes: &["dielectric-contact"],
+        also: &[],
+        inject: |mutant| {
+            at_wall(mutant, "shape cube = box(x: -1..1, y: -1..1, z: 0..2) % with dielectric(ior: 1.5)", 0.001)
+        },
+    },
     // Dielectrics.
     beside!(
         "a glass tube without ends",
@@ -222,7 +269,7 @@ pub const DEFECTS: &[Defect] = &[
         codes: &["non-mesh-emitter"],
         also: &[],
         inject: |mutant| {
-            let target = words(mutant.aim());
+            let target = words(mutant.wall().middle);
             let text = format!("emitter stage = spot(position: @, target: {target}, intensity: 1, angle: 20deg)");
             graft(mutant, &text)
         },

@@ -8,9 +8,11 @@ use ltsc_core::diag::{Finding, Origin, Severity, Sources};
 use ltsc_core::eval::{self, Evaluated, Limits, Overrides};
 use ltsc_core::files::{MemoryFiles, VPath};
 use ltsc_core::ir::{
-    Affine, Camera, Documentation, Handle, Material, Mesh, Scene, Shape, Vec3, cross, dot, normalized, sub,
+    Affine, Bsdf, Camera, Documentation, Handle, Material, Mesh, Scene, Shape, Vec3, cross, dot, length, normalized,
+    sub,
 };
 use ltsc_core::lint::{Around, Levels, lint};
+use ltsc_core::mesh::face_normal;
 use ltsc_core::pipeline;
 use ltsc_core::survey::Survey;
 
@@ -28,6 +30,14 @@ pub struct Mutant {
     pub scenes: BTreeMap<String, Documentation>,
     /// Its text, from which edits of the text are evaluated anew.
     pub text: String,
+}
+
+/// A flat place of a surface: its middle lies in a corner where no scene has anything else.
+pub struct Place {
+    pub middle: Vec3,
+    /// Unit vectors: in the plane, and across it to the front.
+    pub along: Vec3,
+    pub normal: Vec3,
 }
 
 impl Mutant {
@@ -103,12 +113,9 @@ impl Mutant {
         self.scenes.iter().find(strange).map(|(name, _)| name.clone())
     }
 
-    /// The mesh of a surface that emits nothing and scatters light at an opaque surface.
+    /// The mesh of an opaque surface that emits nothing.
     pub fn opaque(&mut self) -> &mut Mesh {
-        let clear = |shape: &Shape, scene: &Scene| {
-            matches!(scene.materials[shape.material].bsdf, ltsc_core::ir::Bsdf::Dielectric { .. })
-        };
-        let found = self.scene.surfaces().find(|(_, shape)| shape.emission.is_none() && !clear(shape, &self.scene));
+        let found = self.scene.surfaces().find(|(_, shape)| is_opaque(&self.scene, shape));
         let mesh = found.expect("an opaque surface").1.mesh;
         &mut self.scene.meshes[mesh]
     }
@@ -127,9 +134,27 @@ impl Mutant {
         [bounds.high[0] + 4.0, y, z]
     }
 
-    /// The middle of the first surface.
-    pub fn aim(&self) -> Vec3 {
-        Survey::of(&self.scene).placed[0].bounds.center()
+    /// A place on a flat opaque surface that emits nothing, 4 units from its corner along both sides.
+    pub fn wall(&self) -> Place {
+        let survey = Survey::of(&self.scene);
+        for placed in survey.placed.iter().filter(|placed| is_opaque(&self.scene, placed.shape)) {
+            let triangles: Vec<[Vec3; 3]> = survey.triangles(placed).collect();
+            let [a, b, c] = triangles[0];
+            let Some(normal) = face_normal([a, b, c]) else { continue };
+            let flat = |p: &Vec3| dot(normal, sub(*p, a)).abs() < 1e-6;
+            if triangles.len() > 2 || !triangles.iter().flatten().all(flat) {
+                continue;
+            }
+            // The corner with the right angle, and the sides that begin there.
+            let sides = [[a, b, c], [b, c, a], [c, a, b]].map(|[p, q, r]| (p, sub(q, p), sub(r, p)));
+            let square =
+                |(_, one, other): &&(Vec3, Vec3, Vec3)| dot(*one, *other).abs() < 1e-6 * length(*one) * length(*other);
+            let Some((corner, one, other)) = sides.iter().find(square) else { continue };
+            let (Some(along), Some(up)) = (normalized(*one), normalized(*other)) else { continue };
+            let middle = [0, 1, 2].map(|axis| corner[axis] + 4.0 * (along[axis] + up[axis]));
+            return Place { middle, along, normal };
+        }
+        panic!("{} has no flat wall", self.scene.name);
     }
 
     /// Evaluates the text of the scene with a change; what is found comes back, lint included.
@@ -154,9 +179,23 @@ impl Mutant {
     }
 }
 
+impl Place {
+    /// The stage that puts a mesh that was made around the origin at the place, its z to the front, `up` above the surface.
+    pub fn frame(&self, up: f64) -> String {
+        let [middle, along, normal] = [self.middle, self.along, self.normal];
+        let origin = [0, 1, 2].map(|axis| middle[axis] + up * normal[axis]);
+        format!("|> frame(x: {}, z: {}, origin: {})", words(along), words(normal), words(origin))
+    }
+}
+
 /// A vector as the language writes it.
 pub fn words([x, y, z]: Vec3) -> String {
     format!("({x}, {y}, {z})")
+}
+
+/// Whether a surface emits nothing and is no dielectric.
+fn is_opaque(scene: &Scene, shape: &Shape) -> bool {
+    shape.emission.is_none() && !matches!(scene.materials[shape.material].bsdf, Bsdf::Dielectric { .. })
 }
 
 /// A mesh with the transform in its vertices.
