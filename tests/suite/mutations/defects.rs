@@ -246,6 +246,24 @@ pub const DEFECTS: &[Defect] = &[
          shape e = cube |> translate(x: 8) with dielectric(ior: 1.5)\n\
          shape f = cube |> translate(x: 10) with dielectric(ior: 1.5, alpha: 0.1)"
     ),
+    beside!(
+        "a material of layers",
+        ["non-basic-material"],
+        [],
+        "shape block = box(size: 2) |> translate@ with plastic(0.5, alpha: 0.1)"
+    ),
+    beside!(
+        "a colour that screens cannot show",
+        ["out-of-gamut"],
+        [],
+        "shape block = box(size: 2) |> translate@ with diffuse(spectrum([(510, 0), (520, 0.9), (530, 0)]))"
+    ),
+    beside!(
+        "a saturated colour",
+        ["saturated-albedo"],
+        [],
+        "shape block = box(size: 2) |> translate@ with diffuse(rgb(0.6, 0.05, 0.06))"
+    ),
     // Names.
     Defect {
         what: "a material of the text that nothing has",
