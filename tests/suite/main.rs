@@ -8,6 +8,7 @@ mod gallery;
 mod geometry;
 mod gltf;
 mod golden;
+mod mutations;
 mod outputs;
 mod page_cases;
 mod pages;

@@ -18,7 +18,7 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
     // A scene with one light that has an extent is judged by it: its paths do not say which light they mean.
     let wide = |light: &LightSource| matches!(light.kind, LightKind::Environment { radiance: _ });
     let extended = scene.surfaces().any(|(_, shape)| shape.emission.is_some()) || scene.lights.values().any(wide);
-    let extent = if extended { LightExtent::Area } else { LightExtent::Point };
+    let extent = if extended || scene.lights.is_empty() { LightExtent::Area } else { LightExtent::Point };
     for text in &scene.documentation.paths {
         let Ok(class) = LightPaths::parse(text) else { continue };
         if !class.is_whole() || class.is_found_by_local_sampling(extent) {

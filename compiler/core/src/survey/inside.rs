@@ -35,8 +35,10 @@ impl Survey<'_> {
         let way = sub(to, from);
         let boxed = Bounds { low: pick(from, to, f64::min), high: pick(from, to, f64::max) };
         let near = self.placed.iter().filter(|placed| placed.bounds.common(boxed).is_some());
-        near.filter(|placed| meets_box(placed.bounds, from, way))
-            .any(|placed| self.triangles(placed).any(|triangle| meets(triangle, from, way)))
+        let mut near: Vec<_> = near.filter(|placed| meets_box(placed.bounds, from, way)).collect();
+        // Walls and panes first: they hide most, and are looked through at once.
+        near.sort_by_key(|placed| self.scene.meshes[placed.shape.mesh].triangles.len());
+        near.into_iter().any(|placed| self.triangles(placed).any(|triangle| meets(triangle, from, way)))
     }
 }
 
