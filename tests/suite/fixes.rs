@@ -108,7 +108,7 @@ fn a_fix_that_would_lead_to_an_error_is_left_out() {
     project(folder, &[("bulb", &format!("{own}{SMOOTH}{rough}"))]);
     let fixed = lint(folder, &["--fix", "--format", "short"]);
     assert!(fixed.code == Some(1) && fixed.out.contains("smooth-emitter"), "{}{}", fixed.out, fixed.err);
-    assert!(fixed.err.contains("1 finding fixed in 1 file; 1 finding left as they are"), "{}", fixed.err);
+    assert!(fixed.err.contains("1 finding fixed in 1 file; 1 finding not fixed"), "{}", fixed.err);
     let text = scene(folder, "bulb");
     assert!(text.contains(SMOOTH) && text.contains("alpha: 0.01)"), "{text}");
 }

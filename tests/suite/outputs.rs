@@ -28,7 +28,7 @@ pub fn project(folder: &Path, scenes: &[(&str, &str)]) {
     }
 }
 
-const BULB: &str = "emitter bulb = sphere() |> translate(z: 3) with radiance(1)\n";
+const BULB: &str = "emitter bulb = sphere(center: (0, 0, 3)) with radiance(1)\n";
 
 /// A Python that has these modules: the one that `.ci/run` installs, or the system's.
 pub fn python(modules: &[&str]) -> Option<PathBuf> {
@@ -152,7 +152,8 @@ fn github_gets_annotations() {
     assert!(lines.iter().all(|line| line.starts_with("::error ") || line.starts_with("::warning ")), "{}", ran.out);
     let at = CLEAN.lines().count() + 1;
     let smooth = format!(
-        "::error file=scenes/a b é/lamp.lts,line={at},endLine={at},col=1,endColumn=60,title=smooth-emitter::the emitter `bulb`"
+        "::error file=scenes/a b é/lamp.lts,line={at},endLine={at},col=1,endColumn={},title=smooth-emitter::the emitter `bulb`",
+        BULB.len()
     );
     assert!(lines.iter().any(|line| line.starts_with(&smooth)), "{smooth}\n{}", ran.out);
     assert!(!ran.out.contains("50 %") && ran.err.contains("allowed"), "what is allowed is only counted");

@@ -79,7 +79,7 @@ impl Tally {
         let refused = if self.refused == 0 {
             String::new()
         } else {
-            format!("; {} left as they are, since an error would follow from the fix", one(self.refused, "finding"))
+            format!("; {} not fixed, since an error would follow", one(self.refused, "finding"))
         };
         format!("{} {done} in {}{refused}", one(self.fixes, "finding"), one(self.files, "file"))
     }
