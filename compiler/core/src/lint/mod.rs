@@ -24,18 +24,21 @@ mod mirroring_transform;
 mod misplaced_mesh;
 mod missing_normals;
 mod needless_triangles;
+mod non_basic_material;
 mod non_mesh_emitter;
 mod non_unit_normals;
 mod nothing_in_view;
 mod odd_field_of_view;
 mod one_sided_similar;
 mod open_dielectric;
+mod out_of_gamut;
 mod out_of_range_distance;
 mod outside_not_air;
 mod overlapping_faces;
 mod reflectance_over_one;
 mod rough_too_small;
 mod same_paths;
+mod saturated_albedo;
 mod smooth_emitter;
 mod undocumented_scene;
 mod unknown_similar;
@@ -220,18 +223,21 @@ pub static RULES: &[Rule] = &[
     misplaced_mesh::RULE,
     missing_normals::RULE,
     needless_triangles::RULE,
+    non_basic_material::RULE,
     non_mesh_emitter::RULE,
     non_unit_normals::RULE,
     nothing_in_view::RULE,
     odd_field_of_view::RULE,
     one_sided_similar::RULE,
     open_dielectric::RULE,
+    out_of_gamut::RULE,
     out_of_range_distance::RULE,
     outside_not_air::RULE,
     overlapping_faces::RULE,
     reflectance_over_one::RULE,
     rough_too_small::RULE,
     same_paths::RULE,
+    saturated_albedo::RULE,
     smooth_emitter::RULE,
     undocumented_scene::RULE,
     unknown_similar::RULE,
