@@ -52,6 +52,8 @@ type Frame = ([i64; 9], u32);
 pub(super) struct Search<'s> {
     survey: &'s Survey<'s>,
     roles: Vec<Role>,
+    /// By use, its largest coordinate, rounded up to three bits: neighbours far from the origin have the same.
+    reaches: Vec<f64>,
     /// By use, the number of its linear part.
     frames: Vec<u32>,
     /// How many uses have it.
@@ -81,6 +83,7 @@ impl<'s> Search<'s> {
         let meshes = survey.scene.meshes.len();
         Self {
             survey,
+            reaches: survey.placed.iter().map(|placed| rounded_up(placed.bounds.reach())).collect(),
             roles: survey.placed.iter().map(|placed| role(survey, placed)).collect(),
             frames,
             shared,
@@ -126,19 +129,23 @@ impl<'s> Search<'s> {
 
     /// Whether a contact matters: of opaque surfaces only one of two materials does.
     fn matters(&self, one: usize, other: usize) -> bool {
-        let materials = &self.survey.scene.materials;
-        let [a, b] = [one, other].map(|at| self.survey.placed[at].shape.material);
-        let known = |at: usize| at < materials.len();
-        let alike = || a == b || known(a.index()) && known(b.index()) && materials[a].bsdf == materials[b].bsdf;
-        self.roles[one] != Role::Opaque || self.roles[other] != Role::Opaque || !alike()
+        let material = |at: usize| self.survey.placed[at].shape.material;
+        material(one) != material(other) || self.roles[one] != Role::Opaque || self.roles[other] != Role::Opaque
     }
 
-    fn distances(&self, uses: [usize; 2], region: Bounds) -> Distances {
-        // Rounded up to three bits, so that neighbours far from the origin have the same.
-        const REST: u64 = (1 << 49) - 1;
-        let reach = f64::from_bits((region.reach().to_bits() + REST) & !REST);
+    /// Whether two uses have materials that scatter alike.
+    fn alike(&self, uses: [usize; 2]) -> bool {
+        let materials = &self.survey.scene.materials;
+        let [a, b] = uses.map(|at| self.survey.placed[at].shape.material);
+        let known = |at: usize| at < materials.len();
+        known(a.index()) && known(b.index()) && materials[a].bsdf == materials[b].bsdf
+    }
+
+    fn distances(&self, [one, other]: [usize; 2]) -> Distances {
+        // What they have in common reaches no farther than either.
+        let reach = self.reaches[one].min(self.reaches[other]);
         let coplanar = coplanarity(reach);
-        let opaque = uses.iter().all(|at| self.roles[*at] == Role::Opaque);
+        let opaque = self.roles[one] == Role::Opaque && self.roles[other] == Role::Opaque;
         Distances { near: if opaque { coplanar } else { nearness(reach) }, coplanar }
     }
 
@@ -148,7 +155,7 @@ impl<'s> Search<'s> {
             return None;
         }
         let [a, b] = [one, other].map(|at| self.survey.placed[at].bounds);
-        let Distances { near, coplanar: _ } = self.distances([one, other], a.union(b));
+        let Distances { near, coplanar: _ } = self.distances([one, other]);
         let region = a.grown(near).common(b.grown(near))?;
         let thin = region.size().into_iter().filter(|side| *side <= 4.0 * near).count();
         (thin < 2).then_some(region)
@@ -159,7 +166,10 @@ impl<'s> Search<'s> {
             contacts.left_out += 1;
             return;
         }
-        let within = self.distances(uses, region);
+        let within = self.distances(uses);
+        if uses.iter().all(|at| self.roles[*at] == Role::Opaque) && self.alike(uses) {
+            return;
+        }
         let pose = self.pose(uses, within);
         let known = pose.and_then(|pose| self.known.get(&pose)).copied();
         let found = known.unwrap_or_else(|| {
@@ -358,6 +368,11 @@ fn inverse(map: &Affine) -> Option<Affine> {
         [x, y, z, -dot([x, y, z], offset)]
     });
     Some(Affine { rows })
+}
+
+fn rounded_up(reach: f64) -> f64 {
+    const REST: u64 = (1 << 49) - 1;
+    f64::from_bits((reach.to_bits() + REST) & !REST)
 }
 
 fn frame(map: &Affine) -> Frame {

@@ -50,6 +50,9 @@ fn holder<'s>(subject: &Subject<'s>, shapes: &'s Arena<Shape>, report: &mut Repo
 
 /// The shapes whose edges are not closed by the others either.
 fn still_open<'s>(subject: &Subject<'s>, open: Vec<(&'s Origin, &'s Shape)>) -> Vec<(&'s Origin, &'s Shape)> {
+    if open.len() == 1 {
+        return open;
+    }
     let (mut positions, mut triangles, mut ends) = (Vec::new(), Vec::new(), Vec::new());
     for (_, shape) in &open {
         let mesh = &subject.scene.meshes[shape.mesh];
