@@ -488,3 +488,58 @@ fn plastic_is_a_base_under_a_coat() {
         assert!((found / expected - 1.0).abs() < bound, "{renderer}: {found} instead of {expected}");
     }
 }
+
+/// An image of the environment with a colour of its own to each side: +y is its middle, +x lies to the right of that.
+#[test]
+fn an_image_of_the_environment_is_the_right_way_round() {
+    const SIZE: (usize, usize) = (64, 32);
+    let sides = [[0.1, 0.1, 0.9], [0.1, 0.9, 0.1], [0.9, 0.1, 0.1], [0.9, 0.1, 0.9]];
+    let (top, bottom) = ([0.9, 0.9, 0.1_f32], [0.1, 0.9, 0.9]);
+    let mut pfm = format!("PF\n{} {}\n-1.0\n", SIZE.0, SIZE.1).into_bytes();
+    // The rows of a PFM begin at the bottom.
+    for y in 0..SIZE.1 {
+        for x in 0..SIZE.0 {
+            // Sides are centred on 0, 1/4, 1/2 and 3/4 of the width: -y, -x, +y, +x.
+            let side = sides[(x + SIZE.0 / 8) * 4 / SIZE.0 % 4];
+            let color = if y < 6 {
+                bottom
+            } else if y >= SIZE.1 - 6 {
+                top
+            } else {
+                side
+            };
+            pfm.extend(color.iter().flat_map(|channel: &f32| channel.to_le_bytes()));
+        }
+    }
+    // Not straight up and down: the last rows are mixed with each other in LuxCore.
+    let views = [
+        ("front", "(0, 1, 0)", sides[2]),
+        ("right", "(1, 0, 0)", sides[3]),
+        ("left", "(-1, 0, 0)", sides[1]),
+        ("back", "(0, -1, 0)", sides[0]),
+        ("above", "(0, 0.1, 1)", top),
+        ("below", "(0, 0.1, -1)", bottom),
+    ];
+    for renderer in ["mitsuba-3", "luxcore"] {
+        if !there(renderer) {
+            return skip("the environment", "`ltsc renderers install mitsuba-3 luxcore`");
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        std::fs::write(folder.path().join("sky.pfm"), &pfm).expect("an image");
+        for (name, target, expected) in views {
+            let text = format!(
+                "lts 1\n\nscene {name} {{}}\n\nallow nothing-in-view \"the environment is looked at\"\n\
+                 camera = perspective(eye: (0, 0, 0), target: {target}, fov_x: 2deg)\nfilm = image(4, 4)\n\
+                 integrator = path(max_depth: 2)\nsampler = independent(samples: 16)\n\
+                 shape far = rectangle(x: 50..51, y: 50..51, z: -50, normal: Z) with diffuse(0.5)\n\
+                 emitter sky = environment(radiance: bitmap(\"sky.pfm\"))\n"
+            );
+            let scene = folder.path().join(format!("{name}.lts"));
+            std::fs::write(&scene, text).expect("a scene");
+            let found = mean(&rendered(&scene, renderer, "1"));
+            for (found, expected) in found.into_iter().zip(expected) {
+                assert!((found - f64::from(expected)).abs() < 1e-3, "{renderer} {name}: {found} instead of {expected}");
+            }
+        }
+    }
+}

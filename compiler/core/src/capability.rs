@@ -67,6 +67,8 @@ pub enum Feature {
     ColouredEmitter,
     /// A constant environment.
     Environment,
+    /// An environment by an image.
+    EnvironmentImage,
     /// A point light.
     PointLight,
     /// A spot light.
@@ -171,6 +173,7 @@ impl Feature {
         Self::ScatteringEmitter,
         Self::ColouredEmitter,
         Self::Environment,
+        Self::EnvironmentImage,
         Self::PointLight,
         Self::SpotLight,
         Self::SoftSpotLight,
@@ -236,6 +239,7 @@ impl Feature {
             Self::ScatteringEmitter => "an emitter on a surface that scatters light",
             Self::ColouredEmitter => "a coloured emitter",
             Self::Environment => "a constant environment",
+            Self::EnvironmentImage => "an image of the environment",
             Self::PointLight => "a point light",
             Self::SpotLight => "a spot light",
             Self::SoftSpotLight => "a spot light with a soft edge",
@@ -363,7 +367,8 @@ pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
     for (place, light) in lights.entries() {
         let LightSource { name: _, kind } = light;
         let feature = match kind {
-            LightKind::Environment { radiance: _ } => Feature::Environment,
+            LightKind::Environment { radiance: ColorOrTexture::Color(_) } => Feature::Environment,
+            LightKind::Environment { radiance: ColorOrTexture::Texture(_) } => Feature::EnvironmentImage,
             LightKind::Point { position: _, intensity: _ } => Feature::PointLight,
             LightKind::Spot { position: _, target: _, intensity: _, angle, inner } => {
                 asked.add_if(inner < angle, Feature::SoftSpotLight, place);
@@ -617,7 +622,7 @@ mod tests {
     fn lights_and_algorithms_are_asked_for() {
         let mut scene = sample::empty("s");
         let kinds = [
-            LightKind::Environment { radiance: Color::Grey(1.0) },
+            LightKind::Environment { radiance: Color::Grey(1.0).into() },
             LightKind::Point { position: [0.0; 3], intensity: Color::Grey(1.0) },
             LightKind::Directional { direction: [0.0, 0.0, -1.0], irradiance: Color::Rgb([1.0, 2.0, 3.0]) },
             LightKind::Spot {

@@ -97,7 +97,7 @@ pub const CODES: &[Code] = &[
     code("invalid-shape", "A shape names a mesh or a material that the scene does not have."),
     code(
         "invalid-texture",
-        "A texture is given an encoding that its image cannot have.\nPNG and JPEG are `\"srgb\"` or `\"linear\"`; OpenEXR, PFM and Radiance HDR hold floats, which are linear in every renderer.",
+        "A texture is given an encoding that its image cannot have, or stands where its image means nothing.\nPNG and JPEG are `\"srgb\"` or `\"linear\"`; OpenEXR, PFM and Radiance HDR hold floats, which are linear in every renderer. The image of an\nenvironment holds floats: codes of 8 bits end at white.",
     ),
     code("invalid-transform", "A shape's transform flattens, mirrors, or leaves the range of single precision."),
     code(

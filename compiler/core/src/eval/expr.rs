@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::diag::{Finding, Span, nearest};
 use crate::files::{Bytes, ReadError, VPath};
-use crate::ir::{Affine, Handle, Texture};
+use crate::ir::{Affine, Handle, ImageInfo, Texture};
 use crate::syntax::{Call, Expr, ExprKind};
 
 use super::function::Function;
@@ -561,6 +561,10 @@ impl table::Host for Interpreter<'_> {
 
     fn texture(&mut self, texture: Texture, span: Span) -> Handle<Texture> {
         self.textures.push(texture, span)
+    }
+
+    fn image(&self, texture: Handle<Texture>) -> ImageInfo {
+        self.textures[texture].image
     }
 
     fn scattered(&mut self) -> &mut BTreeMap<VPath, Arc<[Affine]>> {

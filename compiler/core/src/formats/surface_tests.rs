@@ -298,3 +298,49 @@ fn spectra_are_kept_by_one_target_and_are_rgb_for_the_others() {
     let emission = scn.lines().find_map(|line| line.split_once(".emission = ")).expect("an emission").1;
     assert_ne!(kd, emission);
 }
+
+#[test]
+fn an_image_of_the_environment_in_every_target() {
+    let scene = |format| {
+        let mut scene = sample::empty("s");
+        square(&mut scene, sample::diffuse([0.25; 3]));
+        let sky = texture(&mut scene, "sky", format, Encoding::Linear);
+        let kind = LightKind::Environment { radiance: ColorOrTexture::Texture(sky) };
+        scene.lights.push(LightSource { name: "sky".to_owned(), kind }, Origin::Made);
+        scene
+    };
+    for (target, matrix) in [("mitsuba-3", "to_world"), ("mitsuba-0.6", "toWorld")] {
+        let xml = all_text(target, scene(ImageFormat::Exr));
+        assert!(xml.contains("<emitter type=\"envmap\"") && xml.contains("value=\"../textures/sky.exr\"/>"), "{xml}");
+        assert!(xml.contains(&format!("<transform name=\"{matrix}\">")) && !xml.contains("<texture"), "{xml}");
+        assert!(xml.contains("<matrix value=\"-1 0 0 0 0 0 1 0 0 1 0 0 0 0 0 1\"/>"), "{xml}");
+    }
+    let scn = all_text("luxcore", scene(ImageFormat::Exr));
+    assert!(
+        scn.contains("scene.lights.sky.type = \"infinite\"\nscene.lights.sky.file = \"../textures/sky.exr\"\n"),
+        "{scn}"
+    );
+    assert!(
+        scn.contains("scene.lights.sky.transformation = 0 -1 0 0 -1 0 0 0 0 0 1 0 0 0 0 1\n")
+            && !scn.contains("imagemap")
+    );
+    let pbrt = all_text("pbrt-v3", scene(ImageFormat::Exr));
+    assert!(pbrt.contains("LightSource \"infinite\" \"string mapname\" [\"../textures/sky.exr\"]"), "{pbrt}");
+    assert!(pbrt.contains("\tConcatTransform [0 -1 0 0  -1 0 0 0  0 0 1 0  0 0 0 1]"), "{pbrt}");
+    // A grey stands where the image cannot be read, and is said to be lost.
+    for (target, format) in [("pbrt-v4", ImageFormat::Exr), ("pbrt-v3", ImageFormat::Hdr)] {
+        let pbrt = all_text(target, scene(format));
+        assert!(
+            pbrt.contains("LightSource \"infinite\" \"rgb L\" [0.5 0.5 0.5]") && !pbrt.contains("mapname"),
+            "{pbrt}"
+        );
+        let lost = crate::capability::features(&scene(format)).into_iter().any(|(feature, _)| {
+            let supports = find(target).expect("a target").supports;
+            matches!(supports(feature), Support::Unsupported { why: _ })
+        });
+        assert!(lost, "{target}");
+    }
+    let gltf = find("gltf").expect("a target");
+    assert!(matches!((gltf.supports)(Feature::EnvironmentImage), Support::Unsupported { why: _ }));
+    assert!(!all_text("gltf", scene(ImageFormat::Exr)).contains("punctual"));
+}

@@ -1,6 +1,6 @@
 //! Lights without a surface: the environment, points, spots, and light from one direction.
 
-use super::{Color, Vec3};
+use super::{Color, ColorOrTexture, Handle, Texture, Vec3};
 
 /// A light that is no surface. Emitters with a surface are [`super::Shape`]s with an emission.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,16 +15,17 @@ pub struct LightSource {
 ///
 /// | | Mitsuba | PBRT v3, v4 | LuxCore | glTF |
 /// |---|---|---|---|---|
-/// | `Environment` | `constant`, `radiance` | `infinite`, `L` | `constantinfinite`, `color` | cannot be said |
+/// | `Environment` | `constant`, `radiance`; `envmap` | `infinite`, `L`; v3 `mapname` | `constantinfinite`, `color`; `infinite` | cannot be said |
 /// | `Point` | `point`, `position`, `intensity` | `point`, `from`, `I` | `point`, `position`, `color`, gain 4 pi | `KHR_lights_punctual` `point`, the node's place |
 /// | `Spot` | `spot`, `cutoff_angle`, `beam_width` | `spot`, `coneangle`, `conedeltaangle` | `spot` | `KHR_lights_punctual` `spot` |
 /// | `Directional` | `directional`, `direction`, `irradiance` | `distant`, `from` 0 0 0, `to` the direction, `L` | `sharpdistant`, `direction`, `color` | `KHR_lights_punctual` `directional`, along the node's -z |
 #[derive(Clone, Debug, PartialEq)]
 pub enum LightKind {
-    /// Light from everywhere behind the surfaces, the same from all directions; a scene has at most one.
+    /// Light from everywhere behind the surfaces, the same from all directions or by an image; a scene has at most one.
     Environment {
-        /// Radiance in W/(m2 sr), >= 0 per channel.
-        radiance: Color,
+        /// Radiance in W/(m2 sr), >= 0 per channel. An image holds all directions: its middle is +y, the right edge and the left
+        /// one are -y, a quarter of the width to the right of the middle is +x, its upper edge is +z.
+        radiance: ColorOrTexture,
     },
     /// A point that sends the same in all directions.
     Point {
@@ -57,10 +58,21 @@ pub enum LightKind {
 }
 
 impl LightKind {
-    /// Its strength, whatever the unit.
-    pub fn color(&self) -> &Color {
+    /// The image that says how much comes from where, if there is one.
+    pub fn texture(&self) -> Option<Handle<Texture>> {
         match self {
-            Self::Environment { radiance } => radiance,
+            Self::Environment { radiance } => radiance.texture(),
+            Self::Point { position: _, intensity: _ }
+            | Self::Spot { position: _, target: _, intensity: _, angle: _, inner: _ }
+            | Self::Directional { direction: _, irradiance: _ } => None,
+        }
+    }
+
+    /// Its strength, whatever the unit; of an image, which only renderers read, 1.
+    pub fn color(&self) -> &Color {
+        const UNREAD: &Color = &Color::Grey(1.0);
+        match self {
+            Self::Environment { radiance } => radiance.color().unwrap_or(UNREAD),
             Self::Point { position: _, intensity } => intensity,
             Self::Spot { position: _, target: _, intensity, angle: _, inner: _ } => intensity,
             Self::Directional { direction: _, irradiance } => irradiance,

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::Pass;
 use crate::diag::Finding;
-use crate::ir::{Arena, Handle, Material, Mesh, Scene, Shape, Texture};
+use crate::ir::{Arena, ColorOrTexture, Handle, LightKind, LightSource, Material, Mesh, Scene, Shape, Texture};
 
 pub(super) const PASS: Pass = Pass {
     name: "merge",
@@ -35,13 +35,17 @@ fn run(mut scene: Scene) -> (Scene, Vec<Finding>) {
             (*mesh, *material) = (new_mesh, new_material);
         }
     }
-    scene.textures = merged_textures(&std::mem::take(&mut scene.textures), &mut materials);
+    scene.textures = merged_textures(&std::mem::take(&mut scene.textures), &mut materials, &mut scene.lights);
     (scene.meshes, scene.materials) = (meshes, materials);
     (scene, Vec::new())
 }
 
-/// The textures that the materials use, equal ones once; the materials are given the new handles.
-fn merged_textures(old: &Arena<Texture>, materials: &mut Arena<Material>) -> Arena<Texture> {
+/// The textures that materials and lights use, equal ones once; these are given the new handles.
+fn merged_textures(
+    old: &Arena<Texture>,
+    materials: &mut Arena<Material>,
+    lights: &mut Arena<LightSource>,
+) -> Arena<Texture> {
     let equal = |one: &Texture, other: &Texture| {
         let Texture { name: _, file, image, encoding } = one;
         *encoding == other.encoding && *image == other.image && *file == other.file
@@ -58,10 +62,18 @@ fn merged_textures(old: &Arena<Texture>, materials: &mut Arena<Material>) -> Are
             used[same[texture.index()]] = true;
         }
     }
+    for texture in lights.values().filter_map(|light| light.kind.texture()) {
+        used[same[texture.index()]] = true;
+    }
     let (textures, handles) = kept(old, &used);
     for (_, Material { name: _, bsdf }) in materials.iter_mut() {
         if let Some(new) = bsdf.texture().and_then(|texture| handles[same[texture.index()]]) {
             *bsdf = bsdf.with_texture(new);
+        }
+    }
+    for (_, LightSource { name: _, kind }) in lights.iter_mut() {
+        if let Some(new) = kind.texture().and_then(|texture| handles[same[texture.index()]]) {
+            *kind = LightKind::Environment { radiance: ColorOrTexture::Texture(new) };
         }
     }
     textures

@@ -50,6 +50,7 @@ fn is_sound(scene: &Scene) -> bool {
         .materials
         .values()
         .filter_map(|material| material.bsdf.texture())
+        .chain(scene.lights.values().filter_map(|light| light.kind.texture()))
         .all(|texture| texture.index() < scene.textures.len());
     let count = scene.groups.len();
     let outer = scene.instances.values().all(|instance| instance.group.index() < count);

@@ -17,7 +17,11 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
             fault("invalid-light", "its strength is negative, not finite, or beyond 1e30");
         }
         match kind {
-            LightKind::Environment { radiance: _ } => {
+            LightKind::Environment { radiance } => {
+                let image = radiance.texture().map(|texture| scene.textures.values().nth(texture.index()));
+                if image.is_some_and(|image| image.is_none_or(|texture| !texture.image.format.is_float())) {
+                    fault("invalid-light", "its image is not in the scene, or holds no floats");
+                }
                 if environment {
                     fault("second-environment", "there is another environment, which Mitsuba refuses");
                 }

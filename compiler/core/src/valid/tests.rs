@@ -115,7 +115,7 @@ fn lights() {
     let grey = Color::Grey;
     let point = |position, intensity| light(LightKind::Point { position, intensity });
     let directional = |direction, irradiance| light(LightKind::Directional { direction, irradiance });
-    let environment = |radiance| light(LightKind::Environment { radiance });
+    let environment = |radiance: Color| light(LightKind::Environment { radiance: radiance.into() });
     assert_eq!(only(point([f64::NAN, 0.0, 0.0], grey(1.0))), at);
     assert_eq!(only(point([0.0; 3], Color::Rgb([1.0, -1.0, 1.0]))), at);
     assert_eq!(only(directional([0.0, 0.0, 2.0], grey(1.0))), at);

@@ -2,20 +2,25 @@
 
 use std::rc::Rc;
 
-use crate::ir::{Color, LightKind, Meaning, normalized};
+use crate::ir::{Color, ColorOrTexture, LightKind, Meaning, normalized};
 
 use super::super::value::{Ty, Value};
-use super::{Args, Constructor, Family, Parameter, Problem};
+use super::{Args, Constructor, Family, Parameter, Problem, Site};
 
 pub(super) const ROWS: &[Constructor] = &[
     Constructor {
         family: Family::Light,
         name: "environment",
-        summary: "Light from everywhere around the scene, the same from all directions; at most one in a scene.",
-        params: &[Parameter { name: "radiance", ty: Ty::Color, default: None, doc: "radiance in W/(m2 sr), >= 0" }],
+        summary: "Light from everywhere around the scene, the same from all directions or by an image; at most one in a scene.",
+        params: &[Parameter {
+            name: "radiance",
+            ty: Ty::ColorOrTexture,
+            default: None,
+            doc: "radiance in W/(m2 sr), >= 0; an image of floats holds all directions, +z above, +y in its middle and +x to the right of that",
+        }],
         positional: 0,
         example: "emitter sky = environment(radiance: rgb(0.6, 0.7, 1))",
-        build: |args, _| light(LightKind::Environment { radiance: strength(args, "radiance")? }),
+        build: |args, site| environment(args, site),
     },
     Constructor {
         family: Family::Light,
@@ -106,6 +111,23 @@ pub(super) const ROWS: &[Constructor] = &[
         },
     },
 ];
+
+fn environment(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
+    let Some(ColorOrTexture::Texture(texture)) = args.color_or_texture("radiance") else {
+        return light(LightKind::Environment { radiance: strength(args, "radiance")?.into() });
+    };
+    let format = site.host.image(texture).format;
+    if !format.is_float() {
+        return Err(Problem::new(
+            "radiance",
+            format!("the image of an environment is {}, which holds no radiance", format.words()),
+        )
+        .id("invalid-texture")
+        .note("its codes end at white, and a sun or a lamp is brighter")
+        .help("save it as OpenEXR or PFM"));
+    }
+    light(LightKind::Environment { radiance: ColorOrTexture::Texture(texture) })
+}
 
 fn spot(args: &Args) -> Result<Value, Problem> {
     let position = args.vec3("position").unwrap_or_default();

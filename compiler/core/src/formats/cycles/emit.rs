@@ -192,7 +192,10 @@ fn light_source(light: &LightSource, out: &mut dyn Write) -> io::Result<()> {
     let LightSource { name, kind } = light;
     let name = literal(name);
     match kind {
-        LightKind::Environment { radiance } => writeln!(out, "environment({})", rgb(radiance)),
+        LightKind::Environment { radiance } => {
+            let grey = Color::Grey(formats::STAND_IN);
+            writeln!(out, "environment({})", rgb(radiance.color().unwrap_or(&grey)))
+        }
         LightKind::Point { position, intensity } => {
             writeln!(out, "point({name}, {}, intensity={})", tuple(position), rgb(intensity))
         }

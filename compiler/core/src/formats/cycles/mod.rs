@@ -88,6 +88,9 @@ fn supports(feature: Feature) -> Support {
             "the base of Blender's principled material is Lambertian, and its coat is weighed by its albedo",
             "not measured; `roughness`, `metallic` and `ior` mean the same",
         ),
+        Feature::EnvironmentImage => Support::unsupported(
+            "which way round Cycles lays an image of the environment was not measured; a constant grey stands for it",
+        ),
         Feature::Spectrum => super::RGB_ONLY,
         Feature::SeveralCameras => super::ONE_CAMERA,
         Feature::BoxFilter => Support::approximate(

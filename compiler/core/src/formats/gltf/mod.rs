@@ -71,8 +71,8 @@ fn supports(feature: Feature) -> Support {
             Support::unsupported("glTF's index of refraction is at least 1, inside relative to outside")
         }
         Feature::BlackEmitter | Feature::ScatteringEmitter | Feature::ColouredEmitter => EMITTER,
-        Feature::Environment => Support::unsupported(
-            "glTF has no constant environment: EXT_lights_image_based takes prefiltered images, and few programs read it",
+        Feature::Environment | Feature::EnvironmentImage => Support::unsupported(
+            "glTF has no environment: EXT_lights_image_based takes prefiltered images, and few programs read it",
         ),
         Feature::SoftSpotLight => Support::approximate(
             "KHR_lights_punctual leaves the fall-off between the two cones to the program that draws",

@@ -121,7 +121,16 @@ fn description(emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
     // The ending keeps these apart from the textures that belong to materials.
     let textures = Words::default().assign(scene.textures.values().map(|texture| texture.name.as_str()));
     let textures: Vec<String> = textures.iter().map(|id| format!("{id}_image")).collect();
-    for ((item, id), file) in scene.textures.values().zip(&textures).zip(formats::texture_files(scene)) {
+    let images = formats::texture_files(scene);
+    for ((item, id), file) in scene.textures.values().zip(&textures).zip(&images) {
+        // Images of the environment belong to it.
+        if scene
+            .lights
+            .values()
+            .any(|light| light.kind.texture().is_some_and(|used| std::ptr::eq(&scene.textures[used], item)))
+        {
+            continue;
+        }
         texture(item, id, &format!("{}{file}", emission.textures), out)?;
     }
     for (item, id) in scene.materials.values().zip(&materials) {
@@ -162,7 +171,8 @@ fn description(emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
     for (light, id) in scene.lights.values().zip(&lights) {
         let LightSource { name, kind } = light;
         comment(name, id, out)?;
-        light_source(kind, id, out)?;
+        let file = kind.texture().map(|texture| format!("{}{}", emission.textures, images[texture.index()]));
+        light_source(kind, (id, file.as_deref()), out)?;
     }
     // LuxCore has no groups: each use of a shape is an object, and the meshes are shared.
     let own = scene.shapes.values().map(|shape| (shape.name.clone(), shape, shape.transform));
@@ -306,10 +316,18 @@ fn emission_of(radiance: &Color, id: &str, out: &mut dyn Write) -> io::Result<()
 }
 
 /// A light without a surface; without power and efficiency its strength is colour times gain.
-fn light_source(kind: &LightKind, id: &str, out: &mut dyn Write) -> io::Result<()> {
+fn light_source(kind: &LightKind, (id, image): (&str, Option<&str>), out: &mut dyn Write) -> io::Result<()> {
     let mut put = |name: &str, value: &str| set(out, &format!("scene.lights.{id}.{name}"), value);
     match kind {
-        LightKind::Environment { radiance } => {
+        LightKind::Environment { radiance: ColorOrTexture::Texture(_) } => {
+            put("type", "\"infinite\"")?;
+            put("file", &Quoted(image.unwrap_or_default()).to_string())?;
+            put("gamma", "1")?;
+            put("storage", "\"float\"")?;
+            put("gain", "1 1 1")?;
+            put("transformation", names::ENVIRONMENT)
+        }
+        LightKind::Environment { radiance: ColorOrTexture::Color(radiance) } => {
             put("type", "\"constantinfinite\"")?;
             put("color", &rgb(radiance))?;
             put("gain", "1 1 1")

@@ -96,6 +96,10 @@ fn supports(feature: Feature) -> Support {
              with nothing else, both for `roughness` 0.316; 0.89, 0.87, 0.83 half of each at 0.5 (2.11.2)",
         ),
         Feature::Spectrum => super::RGB_ONLY,
+        Feature::EnvironmentImage => Support::approximate(
+            "LuxCore mixes the rows of an environment's image at its two edges with each other",
+            "half a row of pixels at each pole (2.11.2); exact elsewhere",
+        ),
         Feature::SeveralCameras => super::ONE_CAMERA,
         Feature::BoxFilter | Feature::GaussianFilter | Feature::CutGaussianFilter => Support::approximate(
             "LuxCore draws positions from a table of the filter",

@@ -3,7 +3,9 @@
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-use super::names::{DEFAULT_CLIPPING, Names, PHOTON_ALPHA, RR_DEPTH, Version, emitter as plugin, photon_depth};
+use super::names::{
+    DEFAULT_CLIPPING, ENVIRONMENT, Names, PHOTON_ALPHA, RR_DEPTH, Version, emitter as plugin, photon_depth,
+};
 use crate::files::Sink;
 use crate::formats::shared::camera;
 use crate::formats::shared::names::Words;
@@ -181,7 +183,16 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
     let groups = words.assign(scene.groups.values().map(|group| group.name.as_str()));
     let shapes = words.assign(scene.shapes.values().map(|shape| shape.name.as_str()));
     let textures = words.assign(scene.textures.values().map(|texture| texture.name.as_str()));
-    for ((item, id), file) in scene.textures.values().zip(&textures).zip(formats::texture_files(scene)) {
+    let images = formats::texture_files(scene);
+    for ((item, id), file) in scene.textures.values().zip(&textures).zip(&images) {
+        // Images of the environment belong to it.
+        if scene
+            .lights
+            .values()
+            .any(|light| light.kind.texture().is_some_and(|used| std::ptr::eq(&scene.textures[used], item)))
+        {
+            continue;
+        }
         comment(&item.name, id, out)?;
         texture(names, item, id, &format!("{}{file}", emission.textures), out)?;
     }
@@ -213,7 +224,8 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
     for (light, id) in scene.lights.values().zip(&lights) {
         let LightSource { name, kind } = light;
         comment(name, id, out)?;
-        emitter(names, kind, id, out)?;
+        let file = kind.texture().map(|texture| format!("{}{}", emission.textures, images[texture.index()]));
+        emitter(names, kind, (id, file.as_deref()), out)?;
     }
     for instance in scene.instances.values() {
         // The id says enough: thousands of comments would only make the file larger.
@@ -273,13 +285,17 @@ impl Surfaces<'_> {
 
 /// A light without a surface. `direction` is where the light goes, and `irradiance` that of a surface across it, in all
 /// versions (`directional.cpp` of 0.6 and 3.9.1; measured with 3.9.1).
-fn emitter(names: &Names, kind: &LightKind, id: &str, out: &mut dyn Write) -> io::Result<()> {
+fn emitter(names: &Names, kind: &LightKind, (id, image): (&str, Option<&str>), out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "\t<emitter type=\"{}\" id=\"{id}\">", plugin(kind))?;
     let vector = |tag: &str, name: &str, [x, y, z]: [f64; 3], out: &mut dyn Write| {
         writeln!(out, "\t\t<{tag} name=\"{name}\" x=\"{}\" y=\"{}\" z=\"{}\"/>", Num(x), Num(y), Num(z))
     };
     match kind {
-        LightKind::Environment { radiance } => rgb(out, 2, "radiance", radiance)?,
+        LightKind::Environment { radiance: ColorOrTexture::Color(radiance) } => rgb(out, 2, "radiance", radiance)?,
+        LightKind::Environment { radiance: ColorOrTexture::Texture(_) } => {
+            string(out, 2, "filename", image.unwrap_or_default())?;
+            placed(names, &ENVIRONMENT, 2, out)?;
+        }
         LightKind::Point { position, intensity } => {
             vector("point", "position", *position, out)?;
             rgb(out, 2, "intensity", intensity)?;

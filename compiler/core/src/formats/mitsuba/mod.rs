@@ -63,6 +63,7 @@ fn supports(version: Version, feature: Feature) -> Support {
         | Feature::ScatteringEmitter
         | Feature::ColouredEmitter
         | Feature::Environment
+        | Feature::EnvironmentImage
         | Feature::PointLight
         | Feature::SpotLight
         | Feature::SoftSpotLight

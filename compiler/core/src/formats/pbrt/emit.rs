@@ -147,7 +147,11 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
     for item in scene.lights.values() {
         let LightSource { name, kind } = item;
         writeln!(out, "\n# {}", Line(name))?;
-        light(version, kind, out)?;
+        let image = kind.texture().map(|texture| {
+            let readable = version == Version::V3 && names::reads(version, &scene.textures[texture]);
+            readable.then(|| format!("{}{}", emission.textures, formats::texture_files(scene)[texture.index()]))
+        });
+        light(version, kind, image.flatten().as_deref(), out)?;
     }
     let surface = |shape: &Shape, out: &mut dyn Write| {
         let Shape { name, mesh, transform, material, emission } = shape;
@@ -190,10 +194,22 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
 /// A light without a surface. v4 divides each of them by the luminance of its white, as it does with emitting surfaces, so
 /// that the numbers pass through as long as there is neither `scale` nor `power` nor `illuminance` (`lights.cpp`, `Create`
 /// of each light). Light of `distant` goes from `from` to `to`, and `L` is the irradiance across it (`Sample_Li`).
-fn light(version: Version, kind: &LightKind, out: &mut dyn Write) -> io::Result<()> {
+fn light(version: Version, kind: &LightKind, image: Option<&str>, out: &mut dyn Write) -> io::Result<()> {
     let point = version.names().point;
     match kind {
-        LightKind::Environment { radiance } => {
+        LightKind::Environment { radiance: ColorOrTexture::Texture(_) } => match image {
+            Some(image) => {
+                writeln!(out, "AttributeBegin")?;
+                placed(&names::ENVIRONMENT, out)?;
+                writeln!(out, "\tLightSource \"infinite\" \"string mapname\" [{}]", Quoted(image))?;
+                writeln!(out, "AttributeEnd")
+            }
+            None => {
+                let grey = rgb(&Color::Grey(formats::STAND_IN));
+                writeln!(out, "LightSource \"infinite\" \"rgb L\" [{grey}]")
+            }
+        },
+        LightKind::Environment { radiance: ColorOrTexture::Color(radiance) } => {
             writeln!(out, "LightSource \"infinite\" {}", light_color(version, "L", radiance))
         }
         LightKind::Point { position, intensity } => {

@@ -131,6 +131,9 @@ fn supports_v4(feature: Feature) -> Support {
             "pbrt-v4 passes a light's spectrum through, and normalises it: its luminance is written as `scale`",
             "exact but for the steps of both integrals, 1e-4; plastic and principled materials get RGB",
         ),
+        Feature::EnvironmentImage => Support::unsupported(
+            "pbrt-v4 takes square images of an equal-area projection (`imgtool makeequiarea` makes one); a constant grey stands for it",
+        ),
         Feature::SoftSpotLight => SOFT4,
         Feature::LightTracing => Support::approximate(
             "pbrt-v4's `lightpath` does not show an environment seen directly",
@@ -197,6 +200,7 @@ fn supports_v3(feature: Feature) -> Support {
         | Feature::ScatteringEmitter
         | Feature::ColouredEmitter
         | Feature::Environment
+        | Feature::EnvironmentImage
         | Feature::PointLight
         | Feature::SpotLight
         | Feature::DirectionalLight

@@ -5,7 +5,7 @@
 //! pbrt-v4.
 
 use crate::formats::shared::camera;
-use crate::ir::{Encoding, Film, ImageFormat, Texture};
+use crate::ir::{Affine, Encoding, Film, ImageFormat, Texture};
 
 /// A version of the file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -137,6 +137,10 @@ pub fn samples(points: &[(f64, f64)]) -> Vec<[f64; 2]> {
     let last = points.last().filter(|point| point.0 < 830.0).map(ends(830.0));
     first.into_iter().chain(points.iter().map(|(wavelength, value)| [*wavelength, *value])).chain(last).collect()
 }
+
+/// From v3's directions of an environment to the Scene's: its z is up, its -x lies in the middle of the image, and its -y a quarter to
+/// the right of that (`InfiniteAreaLight::Le`; LuxCore has the same formula, and was measured).
+pub const ENVIRONMENT: Affine = Affine { rows: [[0.0, -1.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
 
 /// The angle that both versions call `fov`: the full angle along the image's shorter axis (pbrt-v3 and pbrt-v4,
 /// `PerspectiveCamera`: the shorter axis of the default screen window spans -1..1).
