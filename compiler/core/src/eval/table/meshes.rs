@@ -100,10 +100,15 @@ pub(super) const ROWS: &[Constructor] = &[
     Constructor {
         family: Family::Mesh,
         name: "file",
-        summary: "A mesh file, PLY or OBJ, below the project's root.",
+        summary: "A mesh file, PLY, OBJ or STL, below the project's root.",
         params: &[
             Parameter { name: "path", ty: Ty::String, default: None, doc: "from the folder of this file, with `/`" },
-            Parameter { name: "part", ty: Ty::String, default: Some(""), doc: "an object or group of an OBJ file" },
+            Parameter {
+                name: "part",
+                ty: Ty::String,
+                default: Some(""),
+                doc: "an object or group of an OBJ file, a solid of an STL text",
+            },
         ],
         positional: 1,
         example: "mesh bunny = file(\"meshes/bunny.ply\")",

@@ -1,4 +1,4 @@
-//! Mesh files: PLY and OBJ, as bytes in memory.
+//! Mesh files: PLY, OBJ and STL, as bytes in memory.
 //!
 //! A file may be anything: no input makes a reader panic, and no number in a header makes it allocate more than a small
 //! multiple of the bytes that are there.
@@ -6,11 +6,12 @@
 mod finish;
 mod obj;
 mod ply;
+mod stl;
 
 use std::fmt;
 
 use super::Geometry;
-use crate::diag::Severity;
+use crate::diag::{Severity, nearest};
 
 /// Why a mesh file cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -76,9 +77,10 @@ impl Note {
 }
 
 /// The endings of the files that [`read`] knows.
-pub const EXTENSIONS: &[&str] = &["ply", "obj"];
+pub const EXTENSIONS: &[&str] = &["ply", "obj", "stl"];
 
-/// The mesh in the file with these bytes; `part` selects an object or a group of an OBJ file. The result has at least
+/// The mesh in the file with these bytes; `part` selects an object or a group of an OBJ file, a solid of an STL
+/// file that is text. The result has at least
 /// one triangle and passes [`Geometry::check`]; it has normals and texture coordinates where the file has them for every
 /// corner.
 ///
@@ -91,17 +93,37 @@ pub fn read(extension: &str, bytes: &[u8], part: Option<&str>) -> Result<(Geomet
             Some(_) => Err(FileError::new("", "a PLY file has no parts").help("leave out `part`")),
         },
         "obj" => obj::read(bytes, part),
+        "stl" => stl::read(bytes, part),
         other => Err(FileError::new("", format!("mesh files with the ending `{other}` cannot be read"))
-            .help("convert the mesh to PLY or OBJ")),
+            .help("convert the mesh to PLY, OBJ or STL")),
     }
 }
 
-/// The names of the objects and groups of an OBJ file that have faces, in their order; none for other files.
+/// The names of the objects and groups of an OBJ file that have faces, or of the solids of an STL file, in their order; none
+/// for other files.
 ///
 /// # Errors
 /// As [`read`] of the whole file.
 pub fn parts(extension: &str, bytes: &[u8]) -> Result<Vec<String>, FileError> {
-    if extension.eq_ignore_ascii_case("obj") { obj::parts(bytes) } else { Ok(Vec::new()) }
+    match extension.to_ascii_lowercase().as_str() {
+        "obj" => obj::parts(bytes),
+        "stl" => stl::parts(bytes),
+        _ => Ok(Vec::new()),
+    }
+}
+
+/// A part is not among those of the file, which are called `names`; `kind` says what parts are.
+fn missing_part(kind: &str, part: &str, names: &[String]) -> FileError {
+    let error = FileError::new("", format!("the file has no {kind} `{}` with faces", shown(part)));
+    if names.is_empty() {
+        return error.help(format!("leave out `part`: the file has no {kind} with a name"));
+    }
+    if let Some(meant) = nearest(part, names.iter().map(String::as_str)) {
+        return error.help(format!("is `{}` meant?", shown(meant)));
+    }
+    let listed: Vec<String> = names.iter().take(12).map(|name| format!("`{}`", shown(name))).collect();
+    let more = if names.len() > 12 { ", ..." } else { "" };
+    error.help(format!("its parts are {}{more}", listed.join(", ")))
 }
 
 /// `1 face`, `2 faces`.

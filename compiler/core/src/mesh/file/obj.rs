@@ -7,8 +7,7 @@ use std::collections::BTreeMap;
 use std::str::FromStr;
 
 use super::finish::{Faces, finish};
-use super::{FileError, Note, plural};
-use crate::diag::nearest;
+use super::{FileError, Note, missing_part, plural};
 use crate::mesh::Geometry;
 
 const NONE: u32 = u32::MAX;
@@ -25,7 +24,7 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<No
     if let Some(part) = part
         && !reader.found
     {
-        return Err(missing(part, &reader.names()));
+        return Err(missing_part("object or group", part, &reader.names()));
     }
     reader.finish(bytes)
 }
@@ -36,19 +35,6 @@ pub(super) fn parts(bytes: &[u8]) -> Result<Vec<String>, FileError> {
     reader.run(bytes)?;
     reader.check_forward_indices()?;
     Ok(reader.names())
-}
-
-fn missing(part: &str, names: &[String]) -> FileError {
-    let error = FileError::new("", format!("the file has no object or group `{}` with faces", shown(part.as_bytes())));
-    if names.is_empty() {
-        return error.help("leave out `part`: the file has no objects and groups");
-    }
-    if let Some(meant) = nearest(part, names.iter().map(String::as_str)) {
-        return error.help(format!("is `{}` meant?", shown(meant.as_bytes())));
-    }
-    let listed: Vec<String> = names.iter().take(12).map(|name| format!("`{}`", shown(name.as_bytes()))).collect();
-    let more = if names.len() > 12 { ", ..." } else { "" };
-    error.help(format!("its parts are {}{more}", listed.join(", ")))
 }
 
 /// A corner of a face: a position, and a texture coordinate and a normal or [`NONE`].

@@ -114,7 +114,7 @@ fn faults_have_their_line() {
     let notes = obj(&text("v 1 1 1 0.5 0.5 0.5\nbogus\nbogus\nl 1 2\nv 1 1 1 2")).1;
     assert!(notes.iter().any(|note| note.message == "2 lines not understood, the first is `bogus`"), "{notes:?}");
     assert_eq!(notes.len(), 4, "{notes:?}");
-    assert!(read("stl", b"", None).is_err());
+    assert!(read("3ds", b"", None).is_err());
 }
 
 #[test]
