@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 
 use divan::Bencher;
 use divan::counter::BytesCount;
-use ltsc_core::mesh::file::read;
+use ltsc_core::mesh::file::{alone, read};
 use ltsc_core::mesh::{Geometry, faceted, is_closed, largest_normal_deviation, smooth, sphere};
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{BeginList, PropertyAccess, PropertyAccessResult};
@@ -75,9 +75,9 @@ static OBJ: LazyLock<Vec<u8>> = LazyLock::new(|| {
 });
 
 fn ltsc(bencher: Bencher<'_, '_>, extension: &str, bytes: &'static [u8]) {
-    let (geometry, _) = read(extension, bytes, None).expect("a good file");
+    let (geometry, _) = read(extension, bytes, None, &mut alone).expect("a good file");
     assert_eq!(geometry.triangles.len(), MESH.triangles.len());
-    bencher.counter(BytesCount::of_slice(bytes)).bench(|| read(extension, black_box(bytes), None));
+    bencher.counter(BytesCount::of_slice(bytes)).bench(|| read(extension, black_box(bytes), None, &mut alone));
 }
 
 #[divan::bench(sample_count = 10)]

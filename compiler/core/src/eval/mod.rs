@@ -144,8 +144,8 @@ struct Interpreter<'f> {
     /// Files whose evaluation has not ended, outermost first.
     loading: Vec<VPath>,
     inputs: BTreeMap<VPath, crate::files::Bytes>,
-    /// Meshes and tables read from files, by constructor, path and part.
-    meshes: BTreeMap<(&'static str, VPath, Option<String>), value::Value>,
+    /// Meshes, groups and tables read from files, by family, path and part.
+    meshes: BTreeMap<(Family, VPath, Option<String>), value::Value>,
     /// Places read from files.
     scattered: BTreeMap<VPath, Arc<[Affine]>>,
     /// Calls and iterations up to now.

@@ -574,17 +574,15 @@ impl Interpreter<'_> {
             return;
         }
         match kind {
-            Kind::Let | Kind::Material | Kind::Mesh => self.value_declaration(module, scope, kind, name, value),
+            Kind::Let | Kind::Material | Kind::Mesh | Kind::Group => {
+                self.value_declaration(module, scope, kind, name, value)
+            }
             Kind::Shape | Kind::Emitter => self.item(module, scope, kind, name, value, with, span),
             Kind::Camera | Kind::Film | Kind::Integrator | Kind::Sampler => {
                 self.setting(module, scope, kind, name, value, span)
             }
             Kind::Texture => {
                 self.not_yet(span, "textures", "give the material a colour");
-                self.poison(scope, name);
-            }
-            Kind::Group => {
-                self.not_yet(span, "groups of files", "write `group name { shape part = file(...) with ... }`");
                 self.poison(scope, name);
             }
             Kind::Instance => self.instance(module, scope, name, value, span),
@@ -595,6 +593,7 @@ impl Interpreter<'_> {
         let family = match kind {
             Kind::Material => Some(Family::Material),
             Kind::Mesh => Some(Family::Mesh),
+            Kind::Group => Some(Family::Group),
             _ => None,
         };
         let evaluated = self.eval(scope, value, family).and_then(|found| match (kind, found) {
@@ -603,6 +602,7 @@ impl Interpreter<'_> {
                 Ok(Value::Material(Rc::new(MaterialValue { name: own, bsdf: material.bsdf.clone(), span: value.span })))
             }
             (Kind::Mesh, Value::Mesh(mesh)) => Ok(Value::Mesh(items::rename(mesh, name))),
+            (Kind::Group, Value::Group(group)) => Ok(Value::Group(group)),
             (Kind::Let, found) => Ok(found),
             (_, found) => self.wrong_kind(kind, value.span, &found),
         });

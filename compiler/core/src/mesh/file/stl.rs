@@ -1,16 +1,16 @@
 //! STL files, binary and as text: triangles without shared vertices.
 //!
-//! The vertices stay as they are in the file, three for each triangle; `smooth` takes equal positions for one point. The normal
-//! of a facet is read only to be held against its winding, which decides.
+//! The vertices stay as they are in the file, three for each triangle with its flat normal; `smooth` takes equal positions for
+//! one point. The normal in the file is only held against the winding, which decides: many programs write zero.
 
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::finish::{Faces, finish};
+use super::finish::{Faces, finish, flat};
 use super::{FileError, Note, missing_part, plural, shown};
 use crate::ir::{Vec3, cross, dot, sub};
-use crate::mesh::Geometry;
+use crate::mesh::{Geometry, face_normal};
 
 /// The bytes before the triangles: 80 for a title, 4 for the count.
 const HEAD: usize = 84;
@@ -101,7 +101,35 @@ fn binary(bytes: &[u8]) -> Result<(Geometry, Vec<Note>), FileError> {
     let triangles = (0..claimed).map(|at| [3 * at, 3 * at + 1, 3 * at + 2]).collect();
     let mut geometry = Geometry { positions: positions.into_flattened(), normals: None, uvs: None, triangles };
     finish(&mut geometry, &mut notes, |vertex| format!("byte {}", HEAD + vertex / 3 * FACET + 12 + vertex % 3 * 12))?;
-    Ok((geometry, notes))
+    Ok((flat_soup(geometry, &mut notes)?, notes))
+}
+
+/// The geometry with its flat normals, if no two triangles share a vertex; triangles without area are left out.
+fn flat_soup(mut geometry: Geometry, notes: &mut Vec<Note>) -> Result<Geometry, FileError> {
+    let (soup, rest) = geometry.positions.as_chunks::<3>();
+    if !rest.is_empty() || soup.len() != geometry.triangles.len() {
+        return flat(geometry, notes);
+    }
+    let normal = |corners: &[[f32; 3]; 3]| {
+        // Zero marks a triangle without area. Adding 0 turns -0 to 0.
+        let unit = face_normal(corners.map(|corner| corner.map(f64::from)));
+        [unit.map_or([0.0; 3], |unit| unit.map(|x| x as f32 + 0.0)); 3]
+    };
+    let normals: Vec<[[f32; 3]; 3]> = if soup.len() < WORTH_THREADS {
+        soup.iter().map(normal).collect()
+    } else {
+        soup.par_iter().with_min_len(WORTH_THREADS / 2).map(normal).collect()
+    };
+    if normals.iter().any(|[normal, ..]| *normal == [0.0; 3]) {
+        let made = flat(geometry, notes)?;
+        return if made.triangles.is_empty() {
+            Err(FileError::new("", "no triangle of the file has an area"))
+        } else {
+            Ok(made)
+        };
+    }
+    geometry.normals = Some(normals.into_flattened());
+    Ok(geometry)
 }
 
 /// The four bytes of a facet from `at`; 0 beyond its end, which the callers rule out.
@@ -148,7 +176,7 @@ fn text(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<Note>), FileE
     let triangles = faces.finish(&mut notes)?;
     let mut geometry = Geometry { positions, normals: None, uvs: None, triangles };
     finish(&mut geometry, &mut notes, |_| String::new())?;
-    Ok((geometry, notes))
+    Ok((flat_soup(geometry, &mut notes)?, notes))
 }
 
 /// A text on its way to triangles.
@@ -314,6 +342,7 @@ endsolid right
         let (text, notes) = read(TEXT.as_bytes(), None).expect("a good file");
         assert_eq!((text.triangles.as_slice(), text.check()), (&[[0, 1, 2], [3, 4, 5]][..], Ok(())));
         assert_eq!(text.positions[4], [6.0, 0.0, 1.0]);
+        assert_eq!(text.normals, Some(vec![[0.0, 0.0, 1.0]; 6]));
         assert_eq!(notes.len(), 1, "{notes:?}");
         assert!(notes[0].message.starts_with("the normals of 1 facet point against"));
         let (a, b) = ([0.0, 0.0, 1.0], [0.0, 0.0, -1.0]);
@@ -341,9 +370,10 @@ endsolid right
 
     #[test]
     fn faults_are_found() {
-        let good = file(&[[[0.0; 3]; 4]; 2]);
+        let facet = [[0.0; 3], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let good = file(&[facet; 2]);
         assert!(fault(&good[..good.len() - 1], None).contains("which take 100 bytes, but 99 follow"));
-        let mut lie = file(&[[[0.0; 3]; 4]]);
+        let mut lie = file(&[facet]);
         lie[0] = b'x';
         lie[80..84].copy_from_slice(&u32::MAX.to_le_bytes());
         assert!(
@@ -352,7 +382,8 @@ endsolid right
         assert!(fault(b"", None).contains("empty"));
         assert!(fault(b"not a mesh", None).contains("has 10 bytes"));
         assert!(fault(&file(&[]), None).contains("no triangles"));
-        let mut bad = file(&[[[1.0; 3]; 4]; 2]);
+        assert!(fault(&file(&[[[1.0; 3]; 4]; 2]), None).contains("no triangle of the file has an area"));
+        let mut bad = file(&[facet; 2]);
         bad[84 + 50 + 24..84 + 50 + 28].copy_from_slice(&f32::NAN.to_le_bytes());
         assert!(
             fault(&bad, None).starts_with("byte 158: the position of vertex 4 is not finite"),
@@ -368,11 +399,13 @@ endsolid right
         }
         let cut = &TEXT[..TEXT.find("   vertex 5 1").expect("a vertex")];
         assert!(fault(cut.as_bytes(), None).contains("ends within a facet"));
-        let mut longer = file(&[[[0.0; 3]; 4]]);
+        let mut longer = file(&[facet, [[0.0; 3]; 4]]);
         longer[0] = b'x';
         longer.push(7);
-        let (_, notes) = read(&longer, None).expect("a good file");
-        assert_eq!(notes[0].message, "1 byte behind the last triangle not read");
+        let (geometry, notes) = read(&longer, None).expect("a good file");
+        assert_eq!(geometry.triangles.len(), 1);
+        let told: Vec<&str> = notes.iter().map(|note| note.message.as_str()).collect();
+        assert_eq!(told, ["1 byte behind the last triangle not read", "1 triangle without area left out"]);
         let (_, notes) = read(TEXT.replace("endsolid right", "bogus").as_bytes(), None).expect("a good file");
         assert_eq!(notes.len(), 3, "{notes:?}");
     }
