@@ -1,5 +1,5 @@
 //! `tests/cases/`: inputs beside what is expected of them. Every case is linted by the binary; the expectation holds the
-//! exit code and every finding as people see it.
+//! exit code and every finding as people see it. A line `// ltsc lint ARGUMENTS` in a case gives further arguments.
 
 use std::collections::BTreeSet;
 use std::fs;
@@ -43,7 +43,10 @@ fn cases_give_the_findings_that_are_expected() {
             continue;
         }
         let name = path.trim_end_matches(".lts").to_owned();
-        let ran = run(ltsc().current_dir(&folder).args(["lint", "--root", ".", path.as_str()]));
+        let text = fs::read_to_string(folder.join(&path)).unwrap_or_default();
+        let more = text.lines().find_map(|line| line.strip_prefix("// ltsc lint ")).unwrap_or_default();
+        let args = ["lint", "--root", ".", path.as_str()].into_iter().chain(more.split_whitespace());
+        let ran = run(ltsc().current_dir(&folder).args(args));
         assert!(matches!(ran.code, Some(0 | 1 | 3)), "{path}: {:?}\n{}", ran.code, ran.err);
         let shown = format!("exit code {}\n{}{}", ran.code.unwrap_or(-1), ran.out, ran.err);
         let (folder_of, stem) = path.trim_end_matches(".lts").rsplit_once('/').unwrap_or(("", &name));

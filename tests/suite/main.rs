@@ -2,12 +2,14 @@
 
 mod cases;
 mod cli;
+mod fixes;
 mod format;
 mod geometry;
 mod gltf;
 mod golden;
 mod outputs;
 mod page_cases;
+mod pre_commit;
 mod render;
 mod thesis;
 mod tidy;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use ltsc_core::diag::{Finding, Severity, Sources};
 use ltsc_core::eval::{self, Limits};
 use ltsc_core::files::{MemoryFiles, VPath};
-use ltsc_core::lint::RULES;
+use ltsc_core::lint::{Level, Levels, RULES};
 use ltsc_core::pipeline::{Options, check};
 
 /// Settings that a fragment may leave out, by the word that begins them.
@@ -20,6 +20,11 @@ const SETTINGS: [(&str, &str); 4] = [
 const BUNNY: &str = "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
     element face 4\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n\
     3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n";
+
+/// A mesh with normals of length 2, which examples read.
+const BUST: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
+    property float nx\nproperty float ny\nproperty float nz\nelement face 1\n\
+    property list uchar int vertex_indices\nend_header\n0 0 0 0 0 2\n1 0 0 0 0 2\n0 1 0 0 0 2\n3 0 1 2\n";
 
 /// The blocks of a page between two of its headings.
 fn blocks<'p>(page: &'p str, from: &str, to: &str) -> Vec<&'p str> {
@@ -60,10 +65,11 @@ fn whole(fragment: &str) -> (String, String) {
     (name, text)
 }
 
-/// What is found in the files of a block, which are the scenes of one project.
-fn findings(block: &str) -> Vec<Finding> {
+/// What is found in the files of a block, which are the scenes of one project, where `rule` is switched on.
+fn findings(rule: &str, block: &str) -> Vec<Finding> {
     let mut files = MemoryFiles::default();
     files.insert("meshes/bunny.ply", BUNNY);
+    files.insert("meshes/bust.ply", BUST);
     let mut paths = Vec::new();
     for (name, text) in parts(block).iter().map(|part| whole(part)) {
         files.insert(format!("{name}.lts"), text);
@@ -72,7 +78,9 @@ fn findings(block: &str) -> Vec<Finding> {
     let scenes: BTreeMap<_, _> =
         paths.iter().filter_map(|path| eval::header(&files, path, Limits::default())).collect();
     assert_eq!(scenes.len(), paths.len(), "scenes of one block have names of their own:\n{block}");
-    let options = Options { scenes, ..Options::default() };
+    let mut levels = Levels::default();
+    levels.set(rule, Level::Warn).expect("a rule");
+    let options = Options { scenes, levels, ..Options::default() };
     let of = |path| check(&files, &mut Sources::default(), path, &options).findings;
     paths.iter().flat_map(of).collect()
 }
@@ -86,7 +94,7 @@ fn examples_of_rules_are_bad_and_good() {
         assert!(!bad.is_empty() && !good.is_empty(), "the page of `{}` lacks an example", rule.id);
         for (blocks, word, expected) in [(bad, "bad", true), (good, "good", false)] {
             for block in blocks {
-                let found = findings(block);
+                let found = findings(rule.id, block);
                 let malformed = found.iter().any(|finding| finding.severity == Severity::Error);
                 if malformed || found.iter().any(|finding| finding.id == rule.id) != expected {
                     let list: Vec<String> =

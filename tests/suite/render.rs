@@ -291,3 +291,71 @@ fn light_tracing_gives_the_image_of_path_tracing() {
         }
     }
 }
+
+/// A square from (-1, -1) to (1, 1) of `surface` that fills 8 x 8 pixels, under light that makes its radiance its reflectance.
+fn lit_square(folder: &Path, name: &str, before: &str, surface: &str) -> PathBuf {
+    let path = folder.join(format!("{name}.lts"));
+    // tan(fov / 2) = 1 / 10.
+    let text = format!(
+        "lts 1\n\nscene {name} {{}}\n\n\
+         camera = perspective(eye: (0, 0, 10), target: (0, 0, 0), up: Y, fov_x: 2 * atan(0.1))\nfilm = image(8, 8)\n\
+         integrator = path(max_depth: 2)\nsampler = independent(samples: 16)\n{before}\n\
+         shape floor = rectangle(x: -1..1, y: -1..1, z: 0, normal: Z) with {surface}\n\
+         emitter sun = directional(direction: -Z, irradiance: PI)\n"
+    );
+    std::fs::write(&path, text).expect("a scene");
+    path
+}
+
+/// Renders a small scene that is its author's own.
+fn rendered(scene: &Path, renderer: &str, threads: &str) -> Image {
+    let out = scene.with_extension(format!("{renderer}.exr"));
+    let ran = run(ltsc().arg("render").arg(scene).arg("-o").arg(&out).args([
+        "--renderer",
+        renderer,
+        "--threads",
+        threads,
+        "--timeout",
+        "120",
+    ]));
+    assert_eq!(ran.code, Some(0), "{renderer} {}: {}", scene.display(), ran.err);
+    read(&out).expect("an image").0
+}
+
+/// A quarter of an image of four colours that lie the right way up, read as sRGB and as they are, from a PNG and from floats.
+#[test]
+fn textures_lie_the_right_way_up_and_are_decoded() {
+    // The codes of `quads.png`, by rows from the top; `quads.pfm` holds the same divided by 255.
+    let quads = [[200, 60, 30], [128, 128, 128], [30, 90, 220], [255, 255, 255]];
+    // IEC 61966-2-1.
+    let decode = |x: f64| if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
+    // A pixel in the middle of each quarter: four pixels of the image away from its neighbours.
+    let places = [(1, 1), (6, 1), (1, 6), (6, 6)];
+    for renderer in ["mitsuba-3", "luxcore"] {
+        if !there(renderer) {
+            return skip("textures", "`ltsc renderers install mitsuba-3 luxcore`");
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        for file in ["quads.png", "quads.pfm"] {
+            std::fs::copy(root().join("tests/cases/textures").join(file), folder.path().join(file)).expect("an image");
+        }
+        let kinds = [
+            ("srgb", "bitmap(\"quads.png\")", true),
+            ("linear", "bitmap(\"quads.png\", encoding: \"linear\")", false),
+            ("floats", "bitmap(\"quads.pfm\")", false),
+        ];
+        for (name, texture, curved) in kinds {
+            let scene = lit_square(folder.path(), name, &format!("texture quads = {texture}"), "diffuse(quads)");
+            let image = rendered(&scene, renderer, "1");
+            for ((x, y), codes) in places.into_iter().zip(quads) {
+                let pixel = image.pixels[y * image.width + x];
+                for (found, code) in pixel.into_iter().zip(codes) {
+                    let share = f64::from(code) / 255.0;
+                    let expected = if curved { decode(share) } else { share };
+                    let off = (f64::from(found) - expected).abs();
+                    assert!(off <= 2e-4, "{renderer} {name} at ({x}, {y}): {pixel:?} instead of {expected}");
+                }
+            }
+        }
+    }
+}

@@ -16,8 +16,10 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("npy", &[]),
     ("syntax", &["diag"]),
     ("format", &["syntax", "diag"]),
+    ("fix", &["syntax", "diag"]),
     ("mesh", &["ir", "diag"]),
-    ("eval", &["syntax", "ir", "mesh", "npy", "diag", "files"]),
+    ("image", &["ir", "diag"]),
+    ("eval", &["syntax", "ir", "mesh", "image", "npy", "diag", "files"]),
     ("valid", &["ir", "mesh", "diag"]),
     ("lower", &["ir", "mesh", "diag"]),
     ("survey", &["ir", "diag"]),
@@ -25,7 +27,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("capability", &["ir", "mesh", "diag"]),
     ("formats", &["ir", "mesh", "valid", "capability", "diag", "files"]),
     ("manual", &["capability", "diag", "eval", "formats", "ir", "lint", "syntax"]),
-    ("pipeline", &["capability", "diag", "eval", "files", "formats", "ir", "lint", "lower", "syntax", "valid"]),
+    ("pipeline", &["capability", "diag", "eval", "files", "fix", "formats", "ir", "lint", "lower", "syntax", "valid"]),
 ];
 
 fn rust_files(folder: &str) -> Vec<(String, String)> {

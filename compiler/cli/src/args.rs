@@ -63,7 +63,7 @@ pub enum Command {
     Build(Build),
     /// Check scenes: errors, and where they leave what renderers agree on.
     #[command(
-        after_help = "Examples:\n  ltsc lint\n  ltsc lint scenes-src/ring.lts --format short\n  ltsc lint --deny warnings --format github\n  ltsc lint --format sarif > ltsc.sarif\n  ltsc lint --target pbrt-v4 --deny loss-approximated\n  ltsc explain smooth-emitter"
+        after_help = "Examples:\n  ltsc lint\n  ltsc lint scenes-src/ring.lts --format short\n  ltsc lint --deny warnings --format github\n  ltsc lint --format sarif > ltsc.sarif\n  ltsc lint --target pbrt-v4 --deny loss-approximated\n  ltsc lint --fix            (--diff shows what it would change)\n  ltsc explain smooth-emitter"
     )]
     Lint(Lint),
     /// Give scenes and libraries their one canonical form.
@@ -196,6 +196,12 @@ pub struct Build {
 pub struct Lint {
     /// Scene files, or folders with scenes.
     pub paths: Vec<PathBuf>,
+    /// Write the scenes anew where a finding has one right answer; nothing else in them changes.
+    #[arg(long)]
+    pub fix: bool,
+    /// Write nothing; show what `--fix` would change, and exit with 1 if it would.
+    #[arg(long)]
+    pub diff: bool,
     /// Leave out limits that exist for other targets only, and say what these cannot say exactly.
     #[arg(long, value_name = "TARGET", value_delimiter = ',')]
     pub target: Vec<String>,

@@ -26,6 +26,11 @@ impl DiskFiles {
         Ok(Self { root: fs::canonicalize(root)? })
     }
 
+    /// Where the file at `path` lies, without links.
+    pub fn real(&self, path: &VPath) -> io::Result<PathBuf> {
+        fs::canonicalize(self.root.join(path.as_str()))
+    }
+
     /// The path of `file` below the root, if it is there.
     pub fn path_of(&self, file: &Path) -> Option<VPath> {
         // The file itself may be missing: its folder tells where it would be.
@@ -71,6 +76,22 @@ impl Files for DiskFiles {
         // bus error, as it does in the renderers that map their meshes; ltsc never writes a file that it reads.
         let map = unsafe { Mmap::map(&file) }.map_err(other)?;
         Ok(Bytes::new(map))
+    }
+}
+
+/// The disk with some files as they would be after a change.
+pub struct Changed<'d> {
+    pub disk: &'d DiskFiles,
+    pub texts: &'d BTreeMap<VPath, String>,
+}
+
+impl Files for Changed<'_> {
+    fn read(&self, path: &VPath, limit: u64) -> Result<Bytes, ReadError> {
+        match self.texts.get(path) {
+            Some(text) if text.len() as u64 > limit => Err(ReadError::TooLarge { size: text.len() as u64, limit }),
+            Some(text) => Ok(Bytes::new(text.clone().into_bytes())),
+            None => self.disk.read(path, limit),
+        }
     }
 }
 

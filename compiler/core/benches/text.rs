@@ -15,8 +15,6 @@ use pest::Parser as _;
 
 /// The grammar without anything of ours around it.
 mod grammar {
-    #![expect(missing_docs, reason = "pest makes the items")]
-
     #[derive(pest_derive::Parser)]
     #[grammar = "../../grammar/lts.pest"]
     pub(super) struct Grammar;

@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 use crate::diag::Origin;
 use crate::ir::{
-    Bsdf, Camera, Color, Emission, Film, Filter, Integrator, LightKind, LightSource, Material, Mesh, Sampler, Scene,
-    Shape, Vec3, cross, dot, normalized, sub,
+    Bsdf, Camera, Color, ColorOrTexture, Emission, Encoding, Film, Filter, ImageFormat, ImageInfo, Integrator,
+    LightKind, LightSource, Material, Mesh, Sampler, Scene, Shape, Texture, Vec3, cross, dot, normalized, sub,
 };
 
 /// The GGX width up to which all targets agree to about one percent; wider lobes show the different masking terms.
@@ -67,6 +67,24 @@ pub enum Feature {
     SoftSpotLight,
     /// A directional light.
     DirectionalLight,
+    /// A texture.
+    Texture,
+    /// A texture whose image has colours.
+    ColouredTexture,
+    /// A PNG file whose numbers are linear.
+    LinearTexture,
+    /// A PNG file of 16 bits per channel.
+    DeepTexture,
+    /// A JPEG file.
+    JpegTexture,
+    /// A JPEG file whose numbers are linear.
+    LinearJpegTexture,
+    /// An OpenEXR file.
+    ExrTexture,
+    /// A PFM file.
+    PfmTexture,
+    /// A Radiance HDR file.
+    HdrTexture,
     /// A mesh with a normal at each vertex.
     VertexNormals,
     /// A mesh without normals: flat faces.
@@ -143,6 +161,15 @@ impl Feature {
         Self::SpotLight,
         Self::SoftSpotLight,
         Self::DirectionalLight,
+        Self::Texture,
+        Self::ColouredTexture,
+        Self::LinearTexture,
+        Self::DeepTexture,
+        Self::JpegTexture,
+        Self::LinearJpegTexture,
+        Self::ExrTexture,
+        Self::PfmTexture,
+        Self::HdrTexture,
         Self::VertexNormals,
         Self::NoNormals,
         Self::TextureCoordinates,
@@ -194,6 +221,15 @@ impl Feature {
             Self::SpotLight => "a spot light",
             Self::SoftSpotLight => "a spot light with a soft edge",
             Self::DirectionalLight => "a directional light",
+            Self::Texture => "a texture",
+            Self::ColouredTexture => "a coloured texture",
+            Self::LinearTexture => "a texture of linear numbers in PNG",
+            Self::DeepTexture => "a texture of 16 bits in PNG",
+            Self::JpegTexture => "a texture in JPEG",
+            Self::LinearJpegTexture => "a texture of linear numbers in JPEG",
+            Self::ExrTexture => "a texture in OpenEXR",
+            Self::PfmTexture => "a texture in PFM",
+            Self::HdrTexture => "a texture in Radiance HDR",
             Self::VertexNormals => "a mesh with normals",
             Self::NoNormals => "a mesh without normals",
             Self::TextureCoordinates => "texture coordinates",
@@ -261,6 +297,7 @@ pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
         origin,
         documentation: _,
         meshes,
+        textures,
         materials,
         shapes: _,
         lights,
@@ -282,6 +319,9 @@ pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
         let kind = if normals.is_some() { Feature::VertexNormals } else { Feature::NoNormals };
         asked.add(kind, place);
         asked.add_if(uvs.is_some(), Feature::TextureCoordinates, place);
+    }
+    for (place, texture) in textures.entries() {
+        ask_texture(&mut asked, texture, place);
     }
     let mut uses = vec![0_u32; meshes.len()];
     for (place, shape) in scene.surfaces() {
@@ -351,7 +391,11 @@ fn ask_bsdf(asked: &mut Asked, bsdf: &Bsdf, place: &Origin) {
     match bsdf {
         Bsdf::Diffuse { reflectance } => {
             asked.add(Feature::Diffuse, place);
-            asked.add_if(!reflectance.is_grey(), Feature::ColouredDiffuse, place);
+            match reflectance {
+                ColorOrTexture::Color(color) => asked.add_if(!color.is_grey(), Feature::ColouredDiffuse, place),
+                // What the texture asks for stands with it.
+                ColorOrTexture::Texture(_) => {}
+            }
         }
         Bsdf::Conductor { eta, k, alpha } => {
             let smooth = *alpha == 0.0;
@@ -371,6 +415,27 @@ fn ask_bsdf(asked: &mut Asked, bsdf: &Bsdf, place: &Origin) {
             asked.add(Feature::Mirror, place);
             asked.add_if(reflectance.rgb() != [1.0; 3], Feature::DimMirror, place);
         }
+    }
+}
+
+fn ask_texture(asked: &mut Asked, texture: &Texture, place: &Origin) {
+    let Texture { name: _, file: _, image, encoding } = texture;
+    let ImageInfo { format, width: _, height: _, channels, bits } = *image;
+    asked.add(Feature::Texture, place);
+    asked.add_if(channels >= 3, Feature::ColouredTexture, place);
+    let linear = *encoding == Encoding::Linear;
+    match format {
+        ImageFormat::Png => {
+            asked.add_if(linear, Feature::LinearTexture, place);
+            asked.add_if(bits > 8, Feature::DeepTexture, place);
+        }
+        ImageFormat::Jpeg => {
+            asked.add(Feature::JpegTexture, place);
+            asked.add_if(linear, Feature::LinearJpegTexture, place);
+        }
+        ImageFormat::Exr => asked.add(Feature::ExrTexture, place),
+        ImageFormat::Pfm => asked.add(Feature::PfmTexture, place),
+        ImageFormat::Hdr => asked.add(Feature::HdrTexture, place),
     }
 }
 
@@ -414,9 +479,8 @@ pub fn algorithm(integrator: &Integrator) -> (Feature, bool) {
 
 /// Whether a surface is a black (`Some(false)`) or another (`Some(true)`) diffuse one; none for other materials.
 fn scatters_diffusely(bsdf: &Bsdf) -> Option<bool> {
-    let black = |reflectance: &Color| reflectance.is_black();
     match bsdf {
-        Bsdf::Diffuse { reflectance } => Some(!black(reflectance)),
+        Bsdf::Diffuse { reflectance } => Some(!reflectance.color().is_some_and(Color::is_black)),
         Bsdf::Conductor { eta: _, k: _, alpha: _ }
         | Bsdf::Dielectric { interior: _, exterior: _, alpha: _ }
         | Bsdf::Mirror { reflectance: _ } => None,

@@ -1,8 +1,9 @@
 //! The pure core of ltsc: no disk, clock, process, environment or terminal.
 //!
 //! Reading order: [`diag`] and [`files`] (what everything speaks), [`ir`] (the Scene in the middle), [`syntax`] (text to
-//! tree), [`format`] (text to its canonical form), [`eval`] (tree to Scene), [`mesh`] (generators, mesh files), [`npy`] (arrays of numbers), [`valid`] (what every emitter may rely on),
-//! [`survey`] (what lies where), [`lint`] (portability), [`lower`] (Scene to Scene), [`capability`] (what a target can say), [`formats`] (targets and
+//! tree), [`format`] (text to its canonical form), [`eval`] (tree to Scene), [`mesh`] (generators, mesh files), [`npy`] (arrays of numbers),
+//! [`image`] (headers of image files), [`valid`] (what every emitter may rely on),
+//! [`survey`] (what lies where), [`lint`] (portability), [`fix`] (findings to edits), [`lower`] (Scene to Scene), [`capability`] (what a target can say), [`formats`] (targets and
 //! importers), [`pipeline`], the only file that knows all stages, and [`manual`], the pages made from the tables of them all.
 #![deny(clippy::wildcard_enum_match_arm)]
 
@@ -10,8 +11,10 @@ pub mod capability;
 pub mod diag;
 pub mod eval;
 pub mod files;
+pub mod fix;
 pub mod format;
 pub mod formats;
+pub mod image;
 pub mod ir;
 pub mod lint;
 pub mod lower;

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 use std::io;
 
 use crate::capability::{Support, features};
-use crate::diag::{Finding, Origin, Severity, Sources, Suppression};
+use crate::diag::{FileId, Finding, Origin, Severity, Sources, Suppression};
 use crate::eval::{self, Allow, Evaluated, Overrides, SceneParameter};
 use crate::files::{Bytes, Files, Sink, VPath};
+use crate::fix;
 use crate::formats::{self, Emission, Target};
 use crate::ir::{Camera, Documentation, Handle, Scene};
 use crate::lint::{self, Around, Levels, UnusedName};
@@ -99,23 +100,25 @@ pub fn check(files: &dyn Files, sources: &mut Sources, path: &VPath, options: &O
     if let Some(finding) = foreign(path) {
         return Checked { findings: vec![finding], ..Checked::default() };
     }
-    let Evaluated { scene, mut findings, allows, inputs, library, parameters, unused } =
+    let Evaluated { scene, mut findings, allows, inputs, library, parameters, unused, lengthened } =
         eval::evaluate(files, sources, path, &options.overrides);
     let unused = unused.into_iter().map(|eval::Unused { kind, name, span }| UnusedName { kind, name, span }).collect();
-    let around = Around { scenes: options.scenes.clone(), unused };
+    let around = Around { scenes: options.scenes.clone(), unused, lengthened };
     let lint = |scene| lint::lint(scene, &around, &options.levels, &options.targets);
     let mut linted = scene.as_ref().map(lint).unwrap_or_default();
     if !options.no_allow {
-        findings.extend(suppress(&mut linted, &allows, scene.is_some(), options));
+        let main = scene.as_ref().and_then(|_| sources.find(path.as_str()));
+        findings.extend(suppress(&mut linted, &allows, main, options));
     }
     options.levels.judge(&mut findings);
     findings.append(&mut linted);
     findings.sort_by_key(|finding| finding.origin.span());
+    fix::propose(&mut findings, sources);
     Checked { scene, findings, library, inputs, parameters }
 }
 
 /// Gives findings that an `allow` covers the severity [`Severity::Allow`]; says which suppressions are unknown or unused.
-fn suppress(linted: &mut [Finding], allows: &[Allow], complete: bool, options: &Options) -> Vec<Finding> {
+fn suppress(linted: &mut [Finding], allows: &[Allow], main: Option<FileId>, options: &Options) -> Vec<Finding> {
     let mut findings = Vec::new();
     for allow in allows {
         let Some(rule) = lint::find(&allow.id) else {
@@ -143,8 +146,8 @@ fn suppress(linted: &mut [Finding], allows: &[Allow], complete: bool, options: &
                 used = true;
             }
         }
-        // A rule that was not asked finds nothing to suppress.
-        if !used && complete && options.levels.ask(rule, &options.targets) {
+        // A rule that was not asked finds nothing to suppress, and what a library allows may be found in another scene.
+        if !used && main == Some(allow.span.file) && options.levels.ask(rule, &options.targets) {
             findings.push(
                 Finding::warn("unused-allow", allow.span, format!("`allow {}` suppresses nothing", allow.id))
                     .help("remove it"),
@@ -207,21 +210,22 @@ pub fn camera(scene: &Scene, name: Option<&str>) -> Option<Handle<Camera>> {
     found.map(|(handle, _)| handle)
 }
 
-/// Writes one self-contained folder for one target, meshes inside.
+/// Writes one self-contained folder for one target, meshes and images inside.
 ///
 /// # Errors
 /// What the sink says.
 pub fn emit_alone(scene: &Valid, camera: Handle<Camera>, target: &Target, sink: &mut dyn Sink) -> io::Result<()> {
     if target.shares_meshes {
         formats::write_meshes(scene, "meshes/", sink)?;
+        formats::write_textures(scene, "textures/", sink)?;
     }
-    (target.emit)(&Emission { scene, camera, meshes: "meshes/" }, sink)
+    (target.emit)(&Emission { scene, camera, meshes: "meshes/", textures: "textures/" }, sink)
 }
 
-/// Writes the folder of one target beside a folder `meshes` that targets share.
+/// Writes the folder of one target beside the folders `meshes` and `textures` that targets share.
 ///
 /// # Errors
 /// What the sink says.
 pub fn emit_shared(scene: &Valid, camera: Handle<Camera>, target: &Target, sink: &mut dyn Sink) -> io::Result<()> {
-    (target.emit)(&Emission { scene, camera, meshes: "../meshes/" }, sink)
+    (target.emit)(&Emission { scene, camera, meshes: "../meshes/", textures: "../textures/" }, sink)
 }

@@ -17,11 +17,12 @@ def main(job):
 
     emit("version", version=mi.__version__)
     mi.set_variant(job["variant"])
-    if job["threads"]:
-        drjit.set_thread_count(job["threads"])
     start = time.monotonic()
     scene = mi.load_file(job["main"])
     emit("loaded", seconds=time.monotonic() - start)
+    # Not before: with one thread Mitsuba waits for ever for an OpenEXR texture (3.9.1).
+    if job["threads"]:
+        drjit.set_thread_count(job["threads"])
     sensor = scene.sensors()[0]
     box = sensor.film().rfilter().is_box_filter()
     start = time.monotonic()

@@ -176,10 +176,12 @@ fn write(ready: &Ready<'_>, targets: &[&Target], output: &Path, command: &Build)
     if !command.target.is_empty() {
         // The other targets of the folder stay as they are.
         let ours = |path: &str| targets.iter().any(|target| path.starts_with(&format!("{}/", target.name)));
-        sink.keep(|path| !ours(path) && (!path.starts_with("meshes/") || !shares));
+        let common = |path: &str| path.starts_with("meshes/") || path.starts_with("textures/");
+        sink.keep(|path| !ours(path) && (!common(path) || !shares));
     }
     if shares {
         formats::write_meshes(scene, "meshes/", &mut sink).map_err(failed)?;
+        formats::write_textures(scene, "textures/", &mut sink).map_err(failed)?;
     }
     for target in targets {
         let mut inner = sink.below(target.name);

@@ -30,6 +30,12 @@ fn explain(what: &str) -> Result<Exit, Failure> {
     if let Some(code) = CODES.iter().find(|code| code.id == what) {
         pages.push(format!("{}\n{}", code.id, code.doc));
     }
+    if ltsc_core::fix::codes().any(|id| id == what) {
+        pages.push(
+            "`ltsc lint --fix` mends it where there is one right answer; `--diff` shows what it would write."
+                .to_owned(),
+        );
+    }
     pages.extend(table().filter(|row| row.name == what).map(page));
     if pages.is_empty() {
         let names = lint::RULES

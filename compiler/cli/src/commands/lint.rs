@@ -9,7 +9,8 @@ use crate::args::{Format, Lint};
 use crate::output::{Counts, Exit, Failure, Located};
 use crate::{project, terminal};
 
-use super::shared::{CheckedFile, check, files_of, report};
+use super::fixes::{self, Fixed};
+use super::shared::{CheckedFile, check, counted, files_of, report};
 
 pub fn run(command: &Lint) -> Result<Exit, Failure> {
     let targets = command.target.iter().map(|name| project::target(name)).collect::<Result<Vec<_>, _>>()?;
@@ -18,9 +19,21 @@ pub fn run(command: &Lint) -> Result<Exit, Failure> {
         return Err(problems.swap_remove(0));
     }
     let mut files = Vec::new();
+    let mut tally = Tally::default();
     for (project, paths) in groups {
         let levels = project.levels_with(&command.findings)?;
-        let mut checked = check(&project, &paths, &command.findings, Overrides::default(), &targets)?;
+        let mut checked = if command.fix || command.diff {
+            let fixed = fixes::fixed(&project, &paths, &command.findings, &targets)?;
+            if command.diff {
+                terminal::print(&fixes::difference(&fixed));
+            } else {
+                fixes::write(&project, &command.findings, &fixed)?;
+            }
+            tally.add(&fixed);
+            fixed.checked
+        } else {
+            check(&project, &paths, &command.findings, Overrides::default(), &targets)?
+        };
         for file in &mut checked {
             let mut lost = losses(file, &targets);
             levels.judge(&mut lost);
@@ -34,11 +47,45 @@ pub fn run(command: &Lint) -> Result<Exit, Failure> {
         sources: &nothing,
         prefix: "",
     });
+    if command.diff {
+        let (exit, counts) = counted(&files, more.collect());
+        terminal::say(&format!("{}; then {}", tally.words("would be fixed"), counts.words()));
+        return Ok(if tally.fixes > 0 { exit.max(Exit::No) } else { exit });
+    }
     let (exit, counts) = report(&files, more.collect(), command.findings.format, true, targets.is_empty());
+    if command.fix {
+        terminal::say(&tally.words("fixed"));
+    }
     if matches!(command.findings.format, Format::Human | Format::Github) {
-        terminal::say(&summary(files.len(), &counts));
+        terminal::say(&summary(&files, &counts));
     }
     Ok(exit)
+}
+
+/// How much was fixed.
+#[derive(Default)]
+struct Tally {
+    fixes: usize,
+    files: usize,
+    refused: usize,
+}
+
+impl Tally {
+    fn add(&mut self, fixed: &Fixed) {
+        self.fixes += fixed.fixes;
+        self.files += fixed.changed.len();
+        self.refused += fixed.refused;
+    }
+
+    fn words(&self, done: &str) -> String {
+        let one = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
+        let refused = if self.refused == 0 {
+            String::new()
+        } else {
+            format!("; {} left as they are, since an error would follow from the fix", one(self.refused, "finding"))
+        };
+        format!("{} {done} in {}{refused}", one(self.fixes, "finding"), one(self.files, "file"))
+    }
 }
 
 /// What the targets asked for cannot say exactly, which is a finding of the scene.
@@ -53,7 +100,9 @@ fn losses(file: &CheckedFile, targets: &[&'static Target]) -> Vec<Finding> {
     }
 }
 
-fn summary(files: usize, counts: &Counts) -> String {
-    let plural = if files == 1 { "" } else { "s" };
-    format!("{files} file{plural} checked: {}", counts.words())
+fn summary(files: &[CheckedFile], counts: &Counts) -> String {
+    let plural = if files.len() == 1 { "" } else { "s" };
+    let open = files.iter().flat_map(|file| &file.checked.findings).filter(|finding| finding.fix.is_some()).count();
+    let fixable = if open == 0 { String::new() } else { format!("; `ltsc lint --fix` mends {open}") };
+    format!("{} file{plural} checked: {}{fixable}", files.len(), counts.words())
 }

@@ -5,6 +5,7 @@ mod completions;
 mod diff;
 mod emit;
 mod explain;
+mod fixes;
 mod fmt;
 mod lint;
 mod manual;

@@ -16,7 +16,7 @@ use ltsc_core::valid::Valid;
 use rayon::prelude::*;
 
 use crate::args::{self, Format};
-use crate::disk::DiskFiles;
+use crate::disk::{Changed, DiskFiles};
 use crate::output::{self, Exit, Failure, Located};
 use crate::project::{self, Project};
 use crate::terminal;
@@ -92,26 +92,44 @@ pub fn check(
     overrides: Overrides,
     targets: &[&'static Target],
 ) -> Result<Vec<CheckedFile>, Failure> {
+    let disk = disk_of(project, findings)?;
+    check_changed(project, files, findings, overrides, targets, &Changed { disk: &disk, texts: &BTreeMap::new() })
+}
+
+/// What a project reads from.
+pub fn disk_of(project: &Project, findings: &args::Findings) -> Result<DiskFiles, Failure> {
     let root = findings.root.as_deref().unwrap_or(&project.root);
-    let disk = DiskFiles::new(root)
-        .map_err(|error| Failure::new(Exit::Usage, format!("{} cannot be read: {error}", root.display())))?;
+    DiskFiles::new(root)
+        .map_err(|error| Failure::new(Exit::Usage, format!("{} cannot be read: {error}", root.display())))
+}
+
+/// [`check`] of files of which some are not as they are on the disk.
+pub fn check_changed(
+    project: &Project,
+    files: &[PathBuf],
+    findings: &args::Findings,
+    overrides: Overrides,
+    targets: &[&'static Target],
+    from: &Changed<'_>,
+) -> Result<Vec<CheckedFile>, Failure> {
+    let root = findings.root.as_deref().unwrap_or(&project.root);
     let limits = project::limits_with(project.limits, &findings.limits)?;
     let options = Options {
         overrides: Overrides { limits, ..overrides },
         levels: project.levels_with(findings)?,
         no_allow: findings.no_allow,
         targets: targets.iter().map(|target| target.name).collect(),
-        scenes: headers(project, files, &disk, limits),
+        scenes: headers(project, files, from, limits),
     };
     let prefix: Arc<str> = project::prefix(root).into();
     let one = |file: &PathBuf| {
-        let path = disk.path_of(file).ok_or_else(|| {
+        let path = from.disk.path_of(file).ok_or_else(|| {
             Failure::new(Exit::Usage, format!("{} does not lie below {}", file.display(), root.display()))
                 .help("widen the root with `--root`, or move the scene")
         })?;
         let (checked, sources) = guarded(&path, || {
             let mut sources = Sources::default();
-            let checked = pipeline::check(&disk, &mut sources, &path, &options);
+            let checked = pipeline::check(from, &mut sources, &path, &options);
             (checked, sources)
         });
         Ok(CheckedFile { path, checked, sources, prefix: Arc::clone(&prefix) })
@@ -129,11 +147,43 @@ fn guarded(path: &VPath, check: impl FnOnce() -> (Checked, Sources)) -> (Checked
 
 /// The documentation of the project's scenes by name, of a folder without `ltsc.toml` only that of the files asked for. What
 /// cannot be read is passed over: it is reported where it is checked.
-fn headers(project: &Project, files: &[PathBuf], disk: &DiskFiles, limits: Limits) -> BTreeMap<String, Documentation> {
+fn headers(
+    project: &Project,
+    files: &[PathBuf],
+    from: &Changed<'_>,
+    limits: Limits,
+) -> BTreeMap<String, Documentation> {
     let all = if project.declared { project::scene_files(&project.scenes).unwrap_or_default() } else { Vec::new() };
     let files = if all.is_empty() { files } else { &all };
-    let headers = files.iter().filter_map(|file| eval::header(disk, &disk.path_of(file)?, limits));
+    let headers = files.iter().filter_map(|file| eval::header(from, &from.disk.path_of(file)?, limits));
     headers.collect()
+}
+
+/// What was found in files, each thing once.
+fn gathered<'f>(files: &'f [CheckedFile], more: Vec<Located<'f>>) -> Vec<Located<'f>> {
+    let mut seen = BTreeSet::new();
+    let mut all: Vec<Located<'f>> = Vec::new();
+    for file in files {
+        for finding in &file.checked.findings {
+            let located = file.located(finding.clone());
+            if seen.insert(located.key()) {
+                all.push(located);
+            }
+        }
+    }
+    all.extend(more);
+    all
+}
+
+/// The exit code that findings lead to, and how many there are.
+fn tallied(all: &[Located<'_>]) -> (Exit, output::Counts) {
+    let exit = all.iter().map(|located| Exit::of_finding(&located.finding)).max().unwrap_or(Exit::Done);
+    (exit, output::Counts::of(all.iter().map(|located| &located.finding)))
+}
+
+/// The exit code of [`report`], and how many findings there are, without printing them.
+pub fn counted(files: &[CheckedFile], more: Vec<Located<'_>>) -> (Exit, output::Counts) {
+    tallied(&gathered(files, more))
 }
 
 /// Prints what was found in files, each thing once, and gives the exit code that it leads to. Where `quiet`, people do not see
@@ -145,19 +195,8 @@ pub fn report(
     to_stdout: bool,
     quiet: bool,
 ) -> (Exit, output::Counts) {
-    let mut seen = BTreeSet::new();
-    let mut all: Vec<Located<'_>> = Vec::new();
-    for file in files {
-        for finding in &file.checked.findings {
-            let located = file.located(finding.clone());
-            if seen.insert(located.key()) {
-                all.push(located);
-            }
-        }
-    }
-    all.extend(more);
-    let counts = output::Counts::of(all.iter().map(|located| &located.finding));
-    let exit = all.iter().map(|located| Exit::of_finding(&located.finding)).max().unwrap_or(Exit::Done);
+    let mut all = gathered(files, more);
+    let (exit, counts) = tallied(&all);
     if format == Format::Human && all.len() > SHOWN {
         let rest = all.len() - SHOWN;
         all.truncate(SHOWN);

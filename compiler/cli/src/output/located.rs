@@ -1,6 +1,6 @@
 //! A finding with the text that its place lies in, as a line and as JSON.
 
-use ltsc_core::diag::{Finding, Origin, Sources, Span};
+use ltsc_core::diag::{Edit, Finding, Origin, Sources, Span};
 use serde_json::{Value, json};
 
 use crate::terminal;
@@ -69,7 +69,7 @@ impl Located<'_> {
 
     /// The stable JSON form.
     pub fn json(&self) -> Value {
-        let Finding { id, severity, message, origin, label, labels, notes, help, suppression } = &self.finding;
+        let Finding { id, severity, message, origin, label, labels, notes, help, suppression, fix } = &self.finding;
         let place = match origin {
             Origin::Text(span) => self.span_json(*span),
             Origin::File { path, place } => json!({ "path": path, "place": place }),
@@ -77,10 +77,14 @@ impl Located<'_> {
         };
         let labels: Vec<Value> =
             labels.iter().map(|label| json!({ "place": self.span_json(label.span), "text": label.text })).collect();
+        let fix = fix.as_ref().map(|fix| {
+            let edit = |edit: &Edit| json!({ "place": self.span_json(edit.span), "text": edit.text });
+            json!({ "title": fix.title, "edits": fix.edits.iter().map(edit).collect::<Vec<_>>() })
+        });
         let reason = suppression.as_ref().map(|suppression| &suppression.reason);
         json!({
             "id": id, "severity": severity, "message": message, "place": place, "label": label,
-            "labels": labels, "notes": notes, "help": help, "allowed_because": reason,
+            "labels": labels, "notes": notes, "help": help, "allowed_because": reason, "fix": fix,
         })
     }
 }

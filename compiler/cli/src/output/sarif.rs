@@ -4,7 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use ltsc_core::diag::{CODES, Finding, Origin, Severity, Span};
+use ltsc_core::diag::{CODES, Finding, Fix, Origin, Severity, Span};
 use ltsc_core::lint::{self, Level};
 use serde_json::{Map, Value, json};
 
@@ -95,7 +95,7 @@ fn descriptor(id: &str, summary: &str, page: &str) -> Value {
 }
 
 fn result(located: &Located<'_>, rules: &Rules) -> Value {
-    let Finding { id, severity, message, origin, label, labels, notes, help, suppression } = &located.finding;
+    let Finding { id, severity, message, origin, label, labels, notes, help, suppression, fix } = &located.finding;
     let mut value = Map::new();
     value.insert("ruleId".to_owned(), json!(id));
     if let Some(index) = rules.index.get(id) {
@@ -131,6 +131,9 @@ fn result(located: &Located<'_>, rules: &Rules) -> Value {
         });
         value.insert("relatedLocations".to_owned(), related.collect());
     }
+    if let Some(fix) = fix {
+        value.insert("fixes".to_owned(), json!([fixed(located, fix)]));
+    }
     if let Some(suppression) = suppression {
         let place = json!({ "physicalLocation": physical(located, suppression.span) });
         let justification = &suppression.reason;
@@ -142,6 +145,21 @@ fn result(located: &Located<'_>, rules: &Rules) -> Value {
         value.insert("suppressions".to_owned(), json!([{ "kind": "external" }]));
     }
     Value::Object(value)
+}
+
+/// A fix, its edits by file.
+fn fixed(located: &Located<'_>, fix: &Fix) -> Value {
+    let mut files: BTreeMap<String, Vec<Value>> = BTreeMap::new();
+    for edit in &fix.edits {
+        let path = located.path(&located.sources.get(edit.span.file).path);
+        let replacement =
+            json!({ "deletedRegion": region(located, edit.span), "insertedContent": { "text": edit.text } });
+        files.entry(path).or_default().push(replacement);
+    }
+    let changes = files
+        .iter()
+        .map(|(path, replacements)| json!({ "artifactLocation": artifact(path), "replacements": replacements }));
+    json!({ "description": { "text": fix.title }, "artifactChanges": changes.collect::<Vec<_>>() })
 }
 
 /// The level; that of the rule where the finding is suppressed.

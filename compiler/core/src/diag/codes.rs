@@ -65,6 +65,10 @@ pub const CODES: &[Code] = &[
         "invalid-group",
         "A group is empty, or its instances cannot be multiplied out.\nGroups may lie 128 deep in each other and make 10 million shapes and instances.",
     ),
+    code(
+        "invalid-image-file",
+        "An image file is malformed, cut off, or of a kind that not every renderer reads alike.\nPNG, JPEG, OpenEXR, PFM and Radiance HDR are read; the label says where in the file.",
+    ),
     code("invalid-integrator", "A path has no segments."),
     code(
         "invalid-light",
@@ -91,6 +95,10 @@ pub const CODES: &[Code] = &[
     code("invalid-sampler", "A sampler takes no samples."),
     code("invalid-scene", "A scene has nothing to render: no shape, no camera, or an image without pixels."),
     code("invalid-shape", "A shape names a mesh or a material that the scene does not have."),
+    code(
+        "invalid-texture",
+        "A texture is given an encoding that its image cannot have.\nPNG and JPEG are `\"srgb\"` or `\"linear\"`; OpenEXR, PFM and Radiance HDR hold floats, which are linear in every renderer.",
+    ),
     code("invalid-transform", "A shape's transform flattens, mirrors, or leaves the range of single precision."),
     code(
         "list-limit",
@@ -124,6 +132,10 @@ pub const CODES: &[Code] = &[
         "A scene lacks its camera, film, integrator or sampler.\nThey are the defaults that test cases replace.",
     ),
     code("missing-unit", "An angle has no unit.\nWrite `45deg` or `0.5rad`; the unit touches the number."),
+    code(
+        "missing-uvs",
+        "A material with a texture lies on a mesh without texture coordinates.\nAll generators but `triangles` make them; a mesh file has them or has not.",
+    ),
     remark(
         "missing-version",
         "A file does not say its version of the language.\nThe newest is assumed; write `lts 1` first so that the file keeps its meaning.",
@@ -133,10 +145,6 @@ pub const CODES: &[Code] = &[
     code(
         "nesting-limit",
         "Brackets or operators are nested too deeply.\nThe limits are 128 brackets and 256 levels of operators; give inner parts names with `let`.",
-    ),
-    code(
-        "not-supported-yet",
-        "The language has this construct, and this version of ltsc makes nothing from it.\nNothing was ignored: the scene is refused.",
     ),
     code("not-text", "A scene file is not text in UTF-8."),
     code("number-range", "A number is too large for double precision."),

@@ -116,6 +116,26 @@ pub struct Finding {
     pub help: Option<String>,
     /// Why the scene wants it, where its severity is [`Severity::Allow`] by an `allow` of the scene.
     pub suppression: Option<Suppression>,
+    /// What to change, where there is one right answer.
+    pub fix: Option<Fix>,
+}
+
+/// A change of texts after which a finding is gone.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Fix {
+    /// What it does, in the words of a help.
+    pub title: String,
+    /// The changes, which do not overlap.
+    pub edits: Vec<Edit>,
+}
+
+/// A range of a text and what stands there afterwards.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Edit {
+    /// What is replaced; empty where something is put in.
+    pub span: Span,
+    /// What it is replaced by.
+    pub text: String,
 }
 
 /// An `allow` of a scene that covers a finding.
@@ -140,6 +160,7 @@ impl Finding {
             notes: Vec::new(),
             help: None,
             suppression: None,
+            fix: None,
         }
     }
 

@@ -76,6 +76,7 @@ impl Interpreter<'_> {
             origin: name.span.into(),
             documentation,
             meshes,
+            textures: std::mem::take(&mut self.textures),
             materials,
             shapes,
             lights: all_lights,
@@ -297,7 +298,7 @@ impl Builder {
     /// The surface of emitters that say nothing else.
     fn black(&mut self, span: Span) -> Handle<Material> {
         let materials = &mut self.materials;
-        let bsdf = Bsdf::Diffuse { reflectance: Color::BLACK };
+        let bsdf = Bsdf::Diffuse { reflectance: Color::BLACK.into() };
         *self.black.get_or_insert_with(|| materials.push(Material { name: "black".to_owned(), bsdf }, span))
     }
 }

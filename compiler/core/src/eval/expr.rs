@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::diag::{Finding, Span, nearest};
 use crate::files::{Bytes, ReadError, VPath};
-use crate::ir::Affine;
+use crate::ir::{Affine, Handle, Texture};
 use crate::syntax::{Call, Expr, ExprKind};
 
 use super::function::Function;
@@ -220,9 +220,9 @@ impl Interpreter<'_> {
         let blind = row.family == Family::Function && row.name != "table";
         let file = if blind { None } else { Some(self.sources.get(call.span.file).path.clone()) };
         let folder = file.as_deref().and_then(|file| file.rsplit_once('/')).map_or("", |(folder, _)| folder);
-        // Files are read once; a mesh of a file is one mesh however often it is named.
+        // Files are read once; a mesh of a file is one mesh however often it is named, an image one texture.
         let key = file_key(row, &args, folder);
-        if let Some(value) = key.as_ref().and_then(|key| self.meshes.get(key)) {
+        if let Some(value) = key.as_ref().and_then(|key| self.read.get(key)) {
             return match value {
                 Value::Poison => Err(Reported),
                 value => Ok(value.clone()),
@@ -240,12 +240,16 @@ impl Interpreter<'_> {
         let built = (row.build)(&args, &mut site);
         let Site { remarks, findings, .. } = site;
         self.findings.extend(findings);
-        for (message, help) in remarks {
-            self.findings.push(Finding::warn("mesh-file", call.span, message).maybe_help(help));
+        for table::Remark { message, help, lengths } in remarks {
+            if lengths {
+                self.lengthened.push((call.span, message));
+            } else {
+                self.findings.push(Finding::warn("mesh-file", call.span, message).maybe_help(help));
+            }
         }
         let file = key.is_some();
         if let Some(key) = key {
-            self.meshes.insert(key, built.as_ref().map_or(Value::Poison, Clone::clone));
+            self.read.insert(key, built.as_ref().map_or(Value::Poison, Clone::clone));
         }
         if let (false, Ok(Value::Mesh(made))) = (file, &built) {
             self.count_triangles(made, &args, call.span)?;
@@ -499,6 +503,10 @@ impl table::Host for Interpreter<'_> {
         Ok(bytes)
     }
 
+    fn texture(&mut self, texture: Texture, span: Span) -> Handle<Texture> {
+        self.textures.push(texture, span)
+    }
+
     fn scattered(&mut self) -> &mut BTreeMap<VPath, Arc<[Affine]>> {
         &mut self.scattered
     }
@@ -509,16 +517,18 @@ impl table::Host for Interpreter<'_> {
     }
 }
 
-/// What makes two calls of `file` the same mesh or group, and of `table` the same list.
+/// What makes two calls of `file` the same mesh or group, of `bitmap` the same texture, and of `table` the same list.
 fn file_key(row: &Constructor, args: &Args, folder: &str) -> Option<(Family, VPath, Option<String>)> {
-    if !matches!((row.family, row.name), (Family::Mesh | Family::Group, "file") | (Family::Function, "table")) {
-        return None;
-    }
+    let more = match (row.family, row.name) {
+        (Family::Mesh | Family::Group, "file") | (Family::Function, "table") => "part",
+        (Family::Texture, "bitmap") => "encoding",
+        _ => return None,
+    };
     let text = |name| match args.get(name) {
         Some(Value::String(text)) => Some(text.to_string()),
         _ => None,
     };
-    Some((row.family, VPath::resolve(folder, &text("path")?).ok()?, text("part")))
+    Some((row.family, VPath::resolve(folder, &text("path")?).ok()?, text(more)))
 }
 
 fn numbers_value(numbers: &[f64]) -> Value {

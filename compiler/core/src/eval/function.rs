@@ -383,6 +383,7 @@ impl Interpreter<'_> {
         let family = match function.kind {
             Kind::Material => Some(Family::Material),
             Kind::Mesh => Some(Family::Mesh),
+            Kind::Texture => Some(Family::Texture),
             _ => None,
         };
         let before = self.findings.len();
@@ -410,8 +411,11 @@ impl Interpreter<'_> {
                 let name = Some(function.name.clone());
                 Ok(Value::Material(Rc::new(MaterialValue { name, bsdf: material.bsdf.clone(), span: call })))
             }
-            (Kind::Material | Kind::Mesh, value)
-                if !matches!((function.kind, &value), (Kind::Mesh, Value::Mesh(_))) =>
+            (Kind::Material | Kind::Mesh | Kind::Texture, value)
+                if !matches!(
+                    (function.kind, &value),
+                    (Kind::Mesh, Value::Mesh(_)) | (Kind::Texture, Value::Texture(_))
+                ) =>
             {
                 self.wrong_kind(function.kind, span, &value)
             }

@@ -237,6 +237,24 @@ impl Interpreter<'_> {
             }
         });
         let (Ok(mesh), Ok((material, emission)), Some(name)) = (mesh, surface, name) else { return };
+        let textured = material.iter().chain(emission.iter().filter_map(|emission| emission.over.as_ref()));
+        for material in textured.filter(|material| material.bsdf.texture().is_some() && mesh.mesh.uvs.is_none()) {
+            let mut finding = Finding::error(
+                "missing-uvs",
+                with.span,
+                "a texture needs texture coordinates, and the mesh has none",
+            )
+            .label("this material has a texture")
+            .also(mesh.span, "this mesh has no texture coordinates")
+            .help("give `triangles` its `uvs`, export the file with texture coordinates, or give the material a color");
+            if !(with.span.file == material.span.file
+                && with.span.start <= material.span.start
+                && material.span.end <= with.span.end)
+            {
+                finding = finding.also(material.span, "the material");
+            }
+            self.findings.push(finding);
+        }
         let text = module.item_name(name);
         if let Some(first) = module.item_names.insert((emission.is_some(), text.clone()), name.span) {
             self.findings.push(

@@ -24,7 +24,7 @@ use std::sync::Arc;
 
 use crate::diag::{Finding, Severity, Sources, Span};
 use crate::files::{Files, VPath};
-use crate::ir::{Affine, Documentation, Scene};
+use crate::ir::{Affine, Arena, Documentation, Scene, Texture};
 
 pub use limits::{Limit, Limits, parse_amount};
 pub use table::{Constructor, Family, Parameter, table};
@@ -99,6 +99,8 @@ pub struct Evaluated {
     pub parameters: Vec<SceneParameter>,
     /// Names that the file, or a library that it uses, declares in vain.
     pub unused: Vec<Unused>,
+    /// Where mesh files with normals of another length than 1 are read, and what was done about it.
+    pub lengthened: Vec<(Span, String)>,
 }
 
 /// Reads and evaluates the file at `path`. Texts that were read are added to `sources`.
@@ -114,9 +116,10 @@ pub fn evaluate(files: &dyn Files, sources: &mut Sources, path: &VPath, override
     if let Some(module) = loaded {
         scene = interpreter.assemble(module, path, overrides).filter(|_| !malformed(&interpreter.findings));
     }
-    let Interpreter { mut findings, allows, inputs, scene_parameters: parameters, unused, .. } = interpreter;
+    let Interpreter { mut findings, allows, inputs, scene_parameters: parameters, unused, lengthened, .. } =
+        interpreter;
     findings.sort_by_key(|finding| finding.origin.span());
-    Evaluated { scene, findings, allows, inputs, library, parameters, unused }
+    Evaluated { scene, findings, allows, inputs, library, parameters, unused, lengthened }
 }
 
 /// The name and documentation of the scene in the file at `path`; none for a library and for what cannot be read. Nothing but
@@ -144,8 +147,10 @@ struct Interpreter<'f> {
     /// Files whose evaluation has not ended, outermost first.
     loading: Vec<VPath>,
     inputs: BTreeMap<VPath, crate::files::Bytes>,
-    /// Meshes, groups and tables read from files, by family, path and part.
-    meshes: BTreeMap<(Family, VPath, Option<String>), value::Value>,
+    /// Meshes, groups, tables and textures read from files, by family, path, and part or encoding.
+    read: BTreeMap<(Family, VPath, Option<String>), value::Value>,
+    /// Textures so far, used or not.
+    textures: Arena<Texture>,
     /// Places read from files.
     scattered: BTreeMap<VPath, Arc<[Affine]>>,
     /// Calls and iterations up to now.
@@ -160,6 +165,7 @@ struct Interpreter<'f> {
     /// Parameters met.
     scene_parameters: Vec<SceneParameter>,
     unused: Vec<Unused>,
+    lengthened: Vec<(Span, String)>,
 }
 
 impl<'f> Interpreter<'f> {
@@ -172,7 +178,8 @@ impl<'f> Interpreter<'f> {
             modules: BTreeMap::new(),
             loading: Vec::new(),
             inputs: BTreeMap::new(),
-            meshes: BTreeMap::new(),
+            read: BTreeMap::new(),
+            textures: Arena::default(),
             scattered: BTreeMap::new(),
             steps: 0,
             triangles: 0,
@@ -181,6 +188,7 @@ impl<'f> Interpreter<'f> {
             set,
             scene_parameters: Vec::new(),
             unused: Vec::new(),
+            lengthened: Vec::new(),
         }
     }
 }

@@ -7,7 +7,7 @@ use std::sync::Arc;
 
 use crate::diag::{FileId, Finding, Span, nearest};
 use crate::files::{PathError, ReadError, VPath};
-use crate::ir::{Documentation, Film, Integrator, Sampler};
+use crate::ir::{Documentation, Film, Handle, Integrator, Sampler, Texture};
 use crate::syntax::{self, Cut, Expr, ExprKind, Kind, Name, Statement, StatementKind, Tree};
 
 use super::items::{self, InstanceNames, Item, Lit, Placed};
@@ -339,15 +339,6 @@ impl Interpreter<'_> {
         }
     }
 
-    /// What the language has and this compiler cannot do yet.
-    fn not_yet(&mut self, span: Span, what: &str, help: &str) {
-        self.findings.push(
-            Finding::error("not-supported-yet", span, format!("{what} are not supported by this version of ltsc"))
-                .note("the statement is understood, but nothing is made from it")
-                .help(help),
-        );
-    }
-
     fn poison(&mut self, scope: &mut Scope, name: Option<&Name>) {
         if let Some(name) = name {
             self.declare(scope, name, Value::Poison);
@@ -396,11 +387,11 @@ impl Interpreter<'_> {
         value: &Expr,
         with: Option<&Expr>,
     ) {
-        let good = matches!(kind, Kind::Let | Kind::Material | Kind::Mesh) && with.is_none();
+        let good = matches!(kind, Kind::Let | Kind::Material | Kind::Mesh | Kind::Texture) && with.is_none();
         let Some(name) = name.filter(|_| good) else {
             self.findings.push(
                 Finding::error("misplaced-parameters", span, format!("a {} takes no parameters", kind.word()))
-                    .note("`let`, `material` and `mesh` can be functions"),
+                    .note("`let`, `material`, `mesh` and `texture` can be functions"),
             );
             self.poison(scope, name);
             return;
@@ -574,16 +565,12 @@ impl Interpreter<'_> {
             return;
         }
         match kind {
-            Kind::Let | Kind::Material | Kind::Mesh | Kind::Group => {
+            Kind::Let | Kind::Material | Kind::Mesh | Kind::Texture | Kind::Group => {
                 self.value_declaration(module, scope, kind, name, value)
             }
             Kind::Shape | Kind::Emitter => self.item(module, scope, kind, name, value, with, span),
             Kind::Camera | Kind::Film | Kind::Integrator | Kind::Sampler => {
                 self.setting(module, scope, kind, name, value, span)
-            }
-            Kind::Texture => {
-                self.not_yet(span, "textures", "give the material a colour");
-                self.poison(scope, name);
             }
             Kind::Instance => self.instance(module, scope, name, value, span),
         }
@@ -594,6 +581,7 @@ impl Interpreter<'_> {
             Kind::Material => Some(Family::Material),
             Kind::Mesh => Some(Family::Mesh),
             Kind::Group => Some(Family::Group),
+            Kind::Texture => Some(Family::Texture),
             _ => None,
         };
         let evaluated = self.eval(scope, value, family).and_then(|found| match (kind, found) {
@@ -603,6 +591,7 @@ impl Interpreter<'_> {
             }
             (Kind::Mesh, Value::Mesh(mesh)) => Ok(Value::Mesh(items::rename(mesh, name))),
             (Kind::Group, Value::Group(group)) => Ok(Value::Group(group)),
+            (Kind::Texture, Value::Texture(texture)) => Ok(Value::Texture(self.renamed(texture, name, value.span))),
             (Kind::Let, found) => Ok(found),
             (_, found) => self.wrong_kind(kind, value.span, &found),
         });
@@ -611,6 +600,13 @@ impl Interpreter<'_> {
             // What a loop declares is gone behind its iteration.
             if module.depth > 0 { self.declare_inner(scope, name, made) } else { self.declare(scope, name, made) }
         }
+    }
+
+    /// A texture takes the name of its declaration; the image stays one.
+    pub(super) fn renamed(&mut self, texture: Handle<Texture>, name: Option<&Name>, span: Span) -> Handle<Texture> {
+        let Some(name) = name else { return texture };
+        let renamed = Texture { name: name.text.clone(), ..self.textures[texture].clone() };
+        self.textures.push(renamed, span)
     }
 
     pub(super) fn wrong_kind<T>(&mut self, kind: Kind, span: Span, found: &Value) -> Result<T, Reported> {

@@ -3,7 +3,9 @@
 use std::rc::Rc;
 
 use crate::diag::Span;
-use crate::ir::{Affine, Bsdf, Color, Film, Filter, Integrator, LightKind, Mesh, Places, Sampler, Vec3};
+use crate::ir::{
+    Affine, Bsdf, Color, Film, Filter, Handle, Integrator, LightKind, Mesh, Places, Sampler, Texture, Vec3,
+};
 
 /// A value. No number in it is ever NaN or infinite.
 #[derive(Clone, Debug)]
@@ -21,6 +23,7 @@ pub(super) enum Value {
     /// Both ends belong to it.
     Range(f64, f64),
     Color(Color),
+    Texture(Handle<Texture>),
     Material(Rc<MaterialValue>),
     Emission(Rc<EmissionValue>),
     Light(Rc<LightKind>),
@@ -98,6 +101,7 @@ impl Value {
             Self::List(_) => "a list",
             Self::Range(..) => "a range",
             Self::Color(_) => "a color",
+            Self::Texture(_) => "a texture",
             Self::Material(_) => "a material",
             Self::Emission(_) => "an emission",
             Self::Light(_) => "a light",
@@ -129,6 +133,8 @@ pub enum Ty {
     String,
     /// A color; a number is a grey.
     Color,
+    /// A color, or a texture.
+    ColorOrTexture,
     /// Two numbers.
     Vec2,
     /// Three numbers.
@@ -181,6 +187,7 @@ impl Ty {
             Self::Bool => "true or false",
             Self::String => "a string",
             Self::Color => "a color",
+            Self::ColorOrTexture => "a color or a texture",
             Self::Vec2 => "a vector of 2",
             Self::Vec3 => "a vector of 3",
             Self::NumberOrVec3 => "a number or a vector of 3",
@@ -220,9 +227,12 @@ impl Ty {
             (Self::Angle, Value::Number(n)) => Err(Refusal::Unit(n)),
             (Self::Bool, Value::Bool(b)) => Ok(Value::Bool(b)),
             (Self::String, Value::String(text)) => Ok(Value::String(text)),
-            (Self::Color, Value::Number(n)) => Ok(Value::Color(Color::Grey(n))),
-            (Self::Color, Value::Color(color)) => Ok(Value::Color(color)),
-            (Self::Color, Value::Vector(parts)) if parts.len() == 3 => Err(Refusal::ColorFromVector),
+            (Self::ColorOrTexture, Value::Texture(texture)) => Ok(Value::Texture(texture)),
+            (Self::Color | Self::ColorOrTexture, Value::Number(n)) => Ok(Value::Color(Color::Grey(n))),
+            (Self::Color | Self::ColorOrTexture, Value::Color(color)) => Ok(Value::Color(color)),
+            (Self::Color | Self::ColorOrTexture, Value::Vector(parts)) if parts.len() == 3 => {
+                Err(Refusal::ColorFromVector)
+            }
             (Self::Vec3 | Self::NumberOrVec3, Value::Vector(parts)) if parts.len() == 3 => Ok(Value::Vector(parts)),
             (Self::Vec2, Value::Vector(parts)) if parts.len() == 2 => Ok(Value::Vector(parts)),
             (Self::Row, Value::Vector(parts)) if parts.len() == 4 => Ok(Value::Vector(parts)),

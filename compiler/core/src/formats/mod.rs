@@ -24,7 +24,7 @@ pub struct Target {
     /// The file a renderer opens, with `SCENE` for the scene's name where it is part of the file name; see
     /// [`Target::main_file_of`].
     pub main_file: &'static str,
-    /// Whether meshes lie in files shared with other targets (else the target writes its own).
+    /// Whether meshes and images lie in files shared with other targets (else the target writes its own).
     pub shares_meshes: bool,
     /// What it can say.
     pub supports: fn(Feature) -> Support,
@@ -47,6 +47,8 @@ pub struct Emission<'a> {
     pub camera: Handle<Camera>,
     /// The way from the target's folder to the folder of the shared meshes, with a final `/`: `../meshes/`, `meshes/`.
     pub meshes: &'a str,
+    /// The way to the folder of the shared images of textures, likewise.
+    pub textures: &'a str,
 }
 
 /// All targets, in the order in which they are shown.
@@ -59,6 +61,9 @@ pub static TARGETS: &[Target] = &[
     luxcore::LUXCORE,
     gltf::GLTF,
 ];
+
+/// The grey that stands for a texture that a target cannot read.
+const STAND_IN: f64 = 0.5;
 
 /// What every target answers to several cameras.
 const ONE_CAMERA: Support = Support::approximate(
@@ -87,6 +92,23 @@ pub fn write_meshes(scene: &Valid, folder: &str, sink: &mut dyn Sink) -> io::Res
     Ok(())
 }
 
+/// The file name of each texture of the arena, in its order: unique on every file system, with the ending of its format.
+pub fn texture_files(scene: &Scene) -> Vec<String> {
+    let stems = shared::names::file_stems(scene.textures.values().map(|texture| texture.name.as_str()));
+    let endings = scene.textures.values().map(|texture| texture.image.format.ending());
+    stems.into_iter().zip(endings).map(|(stem, ending)| format!("{stem}.{ending}")).collect()
+}
+
+/// Writes the images of the textures as they are, as [`texture_files`] names them, below `folder` (with a final `/`, empty
+/// for none).
+pub fn write_textures(scene: &Scene, folder: &str, sink: &mut dyn Sink) -> io::Result<()> {
+    for (texture, file) in scene.textures.values().zip(texture_files(scene)) {
+        sink.file(&format!("{folder}{file}"), &mut |out| out.write_all(&texture.file))?;
+    }
+    Ok(())
+}
+
 #[cfg(test)]
+mod surface_tests;
 #[cfg(test)]
 mod tests;

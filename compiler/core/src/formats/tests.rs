@@ -13,17 +13,17 @@ use crate::ir::{
 use crate::valid::validate;
 use shared::sample;
 
-fn emitted(target: &str, scene: Scene) -> MemorySink {
+pub(super) fn emitted(target: &str, scene: Scene) -> MemorySink {
     let target = find(target).expect("a target");
     let scene = validate(scene).expect("a valid scene");
     let (camera, _) = scene.cameras.iter().next().expect("a camera");
     let mut sink = MemorySink::default();
-    let emission = Emission { scene: &scene, camera, meshes: "../meshes/" };
+    let emission = Emission { scene: &scene, camera, meshes: "../meshes/", textures: "../textures/" };
     (target.emit)(&emission, &mut sink).expect("memory takes all");
     sink
 }
 
-fn text(sink: &MemorySink, file: &str) -> String {
+pub(super) fn text(sink: &MemorySink, file: &str) -> String {
     String::from_utf8(sink.files[file].clone()).expect("text")
 }
 

@@ -1,6 +1,6 @@
 //! Materials: how a surface scatters light.
 
-use super::Color;
+use super::{Color, ColorOrTexture, Handle, Texture};
 
 /// A named scattering function.
 #[derive(Clone, Debug, PartialEq)]
@@ -24,7 +24,7 @@ pub enum Bsdf {
     /// Lambertian reflection.
     Diffuse {
         /// Share of light reflected, 0..1 per channel.
-        reflectance: Color,
+        reflectance: ColorOrTexture,
     },
     /// Metal: GGX microfacets with the Fresnel term of a complex index of refraction against vacuum.
     Conductor {
@@ -50,4 +50,47 @@ pub enum Bsdf {
         /// Share of light reflected, 0..1 per channel.
         reflectance: Color,
     },
+}
+
+impl Bsdf {
+    /// Whether it is known to scatter no light at all. What a texture holds is not known.
+    pub fn is_black(&self) -> bool {
+        match self {
+            Self::Diffuse { reflectance } => reflectance.color().is_some_and(Color::is_black),
+            Self::Mirror { reflectance } => reflectance.is_black(),
+            Self::Conductor { eta: _, k: _, alpha: _ } | Self::Dielectric { interior: _, exterior: _, alpha: _ } => {
+                false
+            }
+        }
+    }
+
+    /// What may be a texture in it.
+    fn paint(&self) -> Option<&ColorOrTexture> {
+        match self {
+            Self::Diffuse { reflectance } => Some(reflectance),
+            Self::Conductor { eta: _, k: _, alpha: _ }
+            | Self::Dielectric { interior: _, exterior: _, alpha: _ }
+            | Self::Mirror { reflectance: _ } => None,
+        }
+    }
+
+    /// The texture that colours it, if one does.
+    pub fn texture(&self) -> Option<Handle<Texture>> {
+        self.paint().and_then(ColorOrTexture::texture)
+    }
+
+    /// The same scattering with another texture in the place of the one that it has.
+    #[must_use]
+    pub fn with_texture(&self, texture: Handle<Texture>) -> Self {
+        let changed = |paint: &ColorOrTexture| match paint {
+            ColorOrTexture::Color(color) => ColorOrTexture::Color(*color),
+            ColorOrTexture::Texture(_) => ColorOrTexture::Texture(texture),
+        };
+        match self {
+            Self::Diffuse { reflectance } => Self::Diffuse { reflectance: changed(reflectance) },
+            Self::Conductor { eta: _, k: _, alpha: _ }
+            | Self::Dielectric { interior: _, exterior: _, alpha: _ }
+            | Self::Mirror { reflectance: _ } => self.clone(),
+        }
+    }
 }

@@ -16,6 +16,7 @@
 //! | `max_depth` | segments of a path, the camera's and the light's included; 1 is emission seen directly |
 //! | triangles | indices from 0; counter-clockwise seen from the side of the normal |
 //! | images | row 0 on top |
+//! | texture coordinates | (0, 0) is the lower left corner of the image, (1, 1) the upper right one |
 //!
 //! What is no longer in it: defaults, expressions, includes, relative paths, names of formats, units, several spellings
 //! of one thing. Handles point backwards in [`Arena`]s, so that emitters need one pass.
@@ -32,6 +33,7 @@ mod material;
 mod mesh;
 mod settings;
 mod shape;
+mod texture;
 
 pub(crate) use affine::sin_cos_degrees;
 pub use affine::{Affine, Vec3, cross, dot, length, normalized, sub};
@@ -46,6 +48,7 @@ pub use material::{Bsdf, Material};
 pub use mesh::Mesh;
 pub use settings::{Film, Filter, Integrator, Sampler};
 pub use shape::{Emission, Shape};
+pub use texture::{ColorOrTexture, Encoding, ImageFile, ImageFormat, ImageInfo, Texture};
 
 use crate::diag::Origin;
 
@@ -60,6 +63,8 @@ pub struct Scene {
     pub documentation: Documentation,
     /// Triangle meshes.
     pub meshes: Arena<Mesh>,
+    /// Image files that colour surfaces.
+    pub textures: Arena<Texture>,
     /// Materials.
     pub materials: Arena<Material>,
     /// Surfaces and emitters: a mesh, where it lies, what it is made of.

@@ -2,7 +2,6 @@
 #![doc = include_str!("black_surface.md")]
 
 use super::{Level, Report, Rule, Subject};
-use crate::ir::Bsdf;
 
 pub(super) const RULE: Rule = Rule {
     id: "black-surface",
@@ -16,12 +15,7 @@ pub(super) const RULE: Rule = Rule {
 fn check(subject: &Subject<'_>, report: &mut Report) {
     let scene = subject.scene;
     for (origin, shape) in scene.surfaces().filter(|(_, shape)| shape.material.index() < scene.materials.len()) {
-        let black = match &scene.materials[shape.material].bsdf {
-            Bsdf::Diffuse { reflectance } | Bsdf::Mirror { reflectance } => reflectance.is_black(),
-            Bsdf::Conductor { eta: _, k: _, alpha: _ } | Bsdf::Dielectric { interior: _, exterior: _, alpha: _ } => {
-                false
-            }
-        };
+        let black = scene.materials[shape.material].bsdf.is_black();
         if !black || shape.emission.is_some() {
             continue;
         }

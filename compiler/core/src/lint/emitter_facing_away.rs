@@ -2,7 +2,7 @@
 #![doc = include_str!("emitter_facing_away.md")]
 
 use super::{Level, Report, Rule, Subject};
-use crate::ir::{Bsdf, LightKind, Scene, Shape, Vec3, dot, length, sub};
+use crate::ir::{LightKind, Scene, Shape, Vec3, dot, length, sub};
 use crate::mesh::face_normal;
 use crate::survey::{Bounds, Placed, Survey};
 
@@ -67,11 +67,7 @@ fn has_something_in_front(survey: &Survey<'_>, emitter: &Placed<'_>, clear: f64)
 
 /// Whether a surface scatters light: most emitters are black.
 fn receives(scene: &Scene, shape: &Shape) -> bool {
-    let Some(material) = scene.materials.values().nth(shape.material.index()) else { return false };
-    match &material.bsdf {
-        Bsdf::Diffuse { reflectance } | Bsdf::Mirror { reflectance } => !reflectance.is_black(),
-        Bsdf::Conductor { eta: _, k: _, alpha: _ } | Bsdf::Dielectric { interior: _, exterior: _, alpha: _ } => true,
-    }
+    scene.materials.values().nth(shape.material.index()).is_some_and(|material| !material.bsdf.is_black())
 }
 
 /// Whether a part of a surface lies beyond the plane `normal . x = level`.

@@ -6,15 +6,28 @@ mod black_surface;
 mod camera_in_dielectric;
 mod camera_inside_mesh;
 mod dark_emitter;
+mod degenerate_triangles;
+mod duplicate_triangles;
 mod emitter_facing_away;
+mod far_from_origin;
+mod flipped_normals;
+mod inside_out_dielectric;
+mod inside_out_mesh;
 mod large_extent;
+mod large_mesh;
+mod leaning_normals;
 mod long_brief;
 mod many_materials;
+mod mirroring_transform;
+mod misplaced_mesh;
 mod missing_normals;
+mod needless_triangles;
 mod non_mesh_emitter;
+mod non_unit_normals;
 mod nothing_in_view;
 mod odd_field_of_view;
 mod one_sided_similar;
+mod open_dielectric;
 mod out_of_range_distance;
 mod outside_not_air;
 mod reflectance_over_one;
@@ -31,7 +44,8 @@ use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
 use crate::diag::{CODES, Finding, Label, Origin, Severity, Span, nearest};
-use crate::ir::{Camera, Documentation, Scene};
+use crate::ir::{Camera, Documentation, Handle, Mesh, Scene};
+use crate::mesh::{Faults, View, faults, is_closed};
 use crate::survey::Survey;
 
 /// What happens to the findings of a rule.
@@ -115,23 +129,53 @@ pub struct Around {
     pub scenes: BTreeMap<String, Documentation>,
     /// Names that the text declares in vain.
     pub unused: Vec<UnusedName>,
+    /// Where mesh files with normals of another length than 1 are read, and what was done about it.
+    pub lengthened: Vec<(Span, String)>,
 }
 
-/// What a rule looks at.
+/// What a rule looks at. What several rules ask for is made once, when the first one asks.
 struct Subject<'a> {
     scene: &'a Scene,
     around: &'a Around,
     survey: OnceCell<Survey<'a>>,
+    /// By mesh.
+    faults: Vec<OnceCell<Faults>>,
+    /// By mesh.
+    closed: Vec<OnceCell<bool>>,
 }
 
 impl<'a> Subject<'a> {
     fn of(scene: &'a Scene, around: &'a Around) -> Self {
-        Self { scene, around, survey: OnceCell::new() }
+        let meshes = scene.meshes.len();
+        Self {
+            scene,
+            around,
+            survey: OnceCell::new(),
+            faults: vec![OnceCell::new(); meshes],
+            closed: vec![OnceCell::new(); meshes],
+        }
     }
 
-    /// What lies where; made when a rule asks for it first.
+    /// What lies where.
     fn survey(&self) -> &Survey<'a> {
         self.survey.get_or_init(|| Survey::of(self.scene))
+    }
+
+    /// Measures and faults of a mesh that is in the scene.
+    fn faults(&self, mesh: Handle<Mesh>) -> &Faults {
+        self.faults[mesh.index()].get_or_init(|| faults(View::from(&self.scene.meshes[mesh])))
+    }
+
+    /// Whether a mesh that is in the scene is closed.
+    fn is_closed(&self, mesh: Handle<Mesh>) -> bool {
+        *self.closed[mesh.index()].get_or_init(|| is_closed(View::from(&self.scene.meshes[mesh])))
+    }
+
+    /// Whether a mesh that is in the scene is closed and looks inwards. Flat ones have no inside.
+    fn is_inside_out(&self, mesh: Handle<Mesh>) -> bool {
+        let Faults { area, volume, .. } = *self.faults(mesh);
+        // Most meshes have a positive volume, and need no closer look.
+        volume < -1e-6 * area * area.sqrt() && self.is_closed(mesh)
     }
 }
 
@@ -141,15 +185,28 @@ pub static RULES: &[Rule] = &[
     camera_in_dielectric::RULE,
     camera_inside_mesh::RULE,
     dark_emitter::RULE,
+    degenerate_triangles::RULE,
+    duplicate_triangles::RULE,
     emitter_facing_away::RULE,
+    far_from_origin::RULE,
+    flipped_normals::RULE,
+    inside_out_dielectric::RULE,
+    inside_out_mesh::RULE,
     large_extent::RULE,
+    large_mesh::RULE,
+    leaning_normals::RULE,
     long_brief::RULE,
     many_materials::RULE,
+    mirroring_transform::RULE,
+    misplaced_mesh::RULE,
     missing_normals::RULE,
+    needless_triangles::RULE,
     non_mesh_emitter::RULE,
+    non_unit_normals::RULE,
     nothing_in_view::RULE,
     odd_field_of_view::RULE,
     one_sided_similar::RULE,
+    open_dielectric::RULE,
     out_of_range_distance::RULE,
     outside_not_air::RULE,
     reflectance_over_one::RULE,
@@ -302,6 +359,11 @@ fn also(finding: &mut Finding, origin: &Origin, text: &str) {
     if let Some(span) = origin.span() {
         finding.labels.push(Label { span, text: text.to_owned() });
     }
+}
+
+/// `1 triangle`, `2 triangles`.
+fn plural(count: usize, what: &str) -> String {
+    if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
 }
 
 /// What messages call a camera.

@@ -16,7 +16,14 @@ pub(super) const RULE: Rule = Rule {
 fn check(subject: &Subject<'_>, report: &mut Report) {
     let scene = subject.scene;
     for (handle, material) in scene.materials.iter() {
-        let (Bsdf::Diffuse { reflectance } | Bsdf::Mirror { reflectance }) = &material.bsdf else { continue };
+        let reflectance = match &material.bsdf {
+            Bsdf::Diffuse { reflectance } => reflectance.color(),
+            Bsdf::Mirror { reflectance } => Some(reflectance),
+            Bsdf::Conductor { eta: _, k: _, alpha: _ } | Bsdf::Dielectric { interior: _, exterior: _, alpha: _ } => {
+                None
+            }
+        };
+        let Some(reflectance) = reflectance else { continue };
         if reflectance.max() <= 1.0 {
             continue;
         }

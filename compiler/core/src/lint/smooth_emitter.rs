@@ -2,7 +2,6 @@
 #![doc = include_str!("smooth_emitter.md")]
 
 use super::{Level, Report, Rule, Subject};
-use crate::mesh::{View, largest_normal_deviation};
 
 /// How far a normal may lean from its face, in degrees: files round their normals.
 const TOLERANCE: f64 = 1.0;
@@ -18,16 +17,9 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(subject: &Subject<'_>, report: &mut Report) {
     let scene = subject.scene;
-    // A mesh is measured once, however many emitters share it.
-    let mut known: Vec<Option<Option<f64>>> = vec![None; scene.meshes.len()];
-    for (origin, shape) in scene.surfaces() {
-        if shape.emission.is_none() {
-            continue;
-        }
-        let mesh = &scene.meshes[shape.mesh];
-        let slot = &mut known[shape.mesh.index()];
-        let deviation = *slot.get_or_insert_with(|| largest_normal_deviation(View::from(mesh)));
-        if let Some(degrees) = deviation.filter(|degrees| *degrees > TOLERANCE) {
+    for (origin, shape) in scene.surfaces().filter(|(_, shape)| shape.emission.is_some()) {
+        let degrees = subject.faults(shape.mesh).lean;
+        if degrees > TOLERANCE {
             report.add(
                 origin,
                 format!(

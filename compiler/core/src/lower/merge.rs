@@ -1,4 +1,4 @@
-//! Equal meshes become one; meshes and materials that no shape uses go.
+//! Equal meshes become one, and so do equal textures; meshes, textures and materials that no shape uses go.
 //!
 //! What is written then depends on what is seen only, not on how the scene came to be.
 
@@ -8,10 +8,13 @@ use std::sync::Arc;
 
 use super::Pass;
 use crate::diag::Finding;
-use crate::ir::{Arena, Handle, Mesh, Scene, Shape};
+use crate::ir::{Arena, Handle, Material, Mesh, Scene, Shape, Texture};
 
-pub(super) const PASS: Pass =
-    Pass { name: "merge", summary: "equal meshes become one; unused meshes and materials go", run };
+pub(super) const PASS: Pass = Pass {
+    name: "merge",
+    summary: "equal meshes and textures become one; unused meshes, textures and materials go",
+    run,
+};
 
 fn run(mut scene: Scene) -> (Scene, Vec<Finding>) {
     let old_meshes = std::mem::take(&mut scene.meshes);
@@ -24,7 +27,7 @@ fn run(mut scene: Scene) -> (Scene, Vec<Finding>) {
         used_materials[material.index()] = true;
     }
     let (meshes, mesh_handles) = kept(&old_meshes, &used_meshes);
-    let (materials, material_handles) = kept(&old_materials, &used_materials);
+    let (mut materials, material_handles) = kept(&old_materials, &used_materials);
     for Shape { name: _, mesh, transform: _, material, emission: _ } in scene.surfaces_mut() {
         if let (Some(new_mesh), Some(new_material)) =
             (mesh_handles[same[mesh.index()]], material_handles[material.index()])
@@ -32,8 +35,36 @@ fn run(mut scene: Scene) -> (Scene, Vec<Finding>) {
             (*mesh, *material) = (new_mesh, new_material);
         }
     }
+    scene.textures = merged_textures(&std::mem::take(&mut scene.textures), &mut materials);
     (scene.meshes, scene.materials) = (meshes, materials);
     (scene, Vec::new())
+}
+
+/// The textures that the materials use, equal ones once; the materials are given the new handles.
+fn merged_textures(old: &Arena<Texture>, materials: &mut Arena<Material>) -> Arena<Texture> {
+    let equal = |one: &Texture, other: &Texture| {
+        let Texture { name: _, file, image, encoding } = one;
+        *encoding == other.encoding && *image == other.image && *file == other.file
+    };
+    let all: Vec<&Texture> = old.values().collect();
+    let same: Vec<usize> = all
+        .iter()
+        .enumerate()
+        .map(|(at, one)| all[..at].iter().position(|other| equal(one, other)).unwrap_or(at))
+        .collect();
+    let mut used = vec![false; all.len()];
+    for Material { name: _, bsdf } in materials.values() {
+        if let Some(texture) = bsdf.texture() {
+            used[same[texture.index()]] = true;
+        }
+    }
+    let (textures, handles) = kept(old, &used);
+    for (_, Material { name: _, bsdf }) in materials.iter_mut() {
+        if let Some(new) = bsdf.texture().and_then(|texture| handles[same[texture.index()]]) {
+            *bsdf = bsdf.with_texture(new);
+        }
+    }
+    textures
 }
 
 /// The marked items in their order, and for each old position the new handle.

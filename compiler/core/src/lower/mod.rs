@@ -46,12 +46,17 @@ fn is_sound(scene: &Scene) -> bool {
     let shapes = scene
         .surfaces()
         .all(|(_, shape)| shape.mesh.index() < scene.meshes.len() && shape.material.index() < scene.materials.len());
+    let textures = scene
+        .materials
+        .values()
+        .filter_map(|material| material.bsdf.texture())
+        .all(|texture| texture.index() < scene.textures.len());
     let count = scene.groups.len();
     let outer = scene.instances.values().all(|instance| instance.group.index() < count);
     let inner = |(handle, group): (Handle<Group>, &Group)| {
         group.instances.values().all(|instance| instance.group.index() < handle.index())
     };
-    shapes && outer && scene.groups.iter().all(inner)
+    shapes && textures && outer && scene.groups.iter().all(inner)
 }
 
 #[cfg(test)]

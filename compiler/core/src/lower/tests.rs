@@ -16,6 +16,7 @@ fn scene() -> Scene {
         materials: Arena::default(),
         shapes: Arena::default(),
         lights: Arena::default(),
+        textures: Arena::default(),
         groups: Arena::default(),
         instances: Arena::default(),
         cameras: Arena::default(),
@@ -30,7 +31,7 @@ fn cube() -> Geometry {
 }
 
 fn material(scene: &mut Scene, name: &str) -> Handle<Material> {
-    let bsdf = Bsdf::Diffuse { reflectance: Color::Grey(0.5) };
+    let bsdf = Bsdf::Diffuse { reflectance: Color::Grey(0.5).into() };
     scene.materials.push(Material { name: name.to_owned(), bsdf }, Origin::Made)
 }
 
@@ -396,4 +397,39 @@ proptest! {
         }
         prop_assert_eq!(lower(after.clone()).0, after);
     }
+}
+
+#[test]
+fn equal_textures_become_one_and_unused_ones_go() {
+    let mut scene = scene();
+    let mesh = scene.meshes.push(cube().into_mesh("cube"), Origin::Made);
+    place(&mut scene, mesh, Affine::IDENTITY);
+    let image = ImageInfo { format: ImageFormat::Png, width: 2, height: 2, channels: 3, bits: 8 };
+    let mut add = |name: &str, bytes: &[u8], encoding| {
+        let texture = Texture { name: name.to_owned(), file: ImageFile::new(bytes), image, encoding };
+        scene.textures.push(texture, Origin::Made)
+    };
+    let unused = add("unused", b"a", Encoding::Srgb);
+    let first = add("first", b"b", Encoding::Srgb);
+    let same = add("same", b"b", Encoding::Srgb);
+    let linear = add("linear", b"b", Encoding::Linear);
+    assert_eq!(unused.index(), 0);
+    let (_, shape) = scene.shapes.iter().next().expect("a shape");
+    let shape = shape.clone();
+    for texture in [first, same, linear] {
+        let bsdf = Bsdf::Diffuse { reflectance: ColorOrTexture::Texture(texture) };
+        let material = scene.materials.push(Material { name: "m".to_owned(), bsdf }, Origin::Made);
+        let name = format!("shape {}", texture.index());
+        scene.shapes.push(Shape { name, material, ..shape.clone() }, Origin::Made);
+    }
+    let (lowered, _) = lower(scene);
+    let names: Vec<&str> = lowered.textures.values().map(|texture| texture.name.as_str()).collect();
+    assert_eq!(names, ["first", "linear"]);
+    let used: Vec<usize> = lowered
+        .materials
+        .values()
+        .filter_map(|material| material.bsdf.texture())
+        .map(|texture| texture.index())
+        .collect();
+    assert_eq!(used, [0, 0, 1]);
 }

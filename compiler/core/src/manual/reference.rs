@@ -92,6 +92,7 @@ fn heading(family: Family) -> String {
         Family::Sampler => "Samplers",
         Family::Color => "Colours",
         Family::Group => "Groups",
+        Family::Texture => "Textures",
         Family::Function => "Functions",
     }
     .to_owned()

@@ -99,6 +99,29 @@ pub fn is_closed(view: View<'_>) -> bool {
         })
 }
 
+/// The triangles at the rim of the surface, in their order: those with an edge that is not run along as often in one direction as
+/// in the other. Triangles with two corners at one place do not count.
+pub fn rim(view: View<'_>) -> Vec<usize> {
+    let ids = position_ids(view.positions);
+    let mut edges: Vec<(u32, u32, bool, usize)> = Vec::with_capacity(view.triangles.len() * 3);
+    for (at, triangle) in view.triangles.iter().enumerate() {
+        let [Some(a), Some(b), Some(c)] = triangle.map(|index| ids.get(index as usize).copied()) else { continue };
+        if a != b && b != c && c != a {
+            edges.extend([(a, b), (b, c), (c, a)].map(|(from, to)| (from.min(to), from.max(to), from < to, at)));
+        }
+    }
+    edges.sort_unstable();
+    let mut found = Vec::new();
+    for same in edges.chunk_by(|one, other| (one.0, one.1) == (other.0, other.1)) {
+        if 2 * same.iter().filter(|edge| edge.2).count() != same.len() {
+            found.extend(same.iter().map(|edge| edge.3));
+        }
+    }
+    found.sort_unstable();
+    found.dedup();
+    found
+}
+
 /// The largest angle in degrees between the normal of a face and the normal of one of its vertices; none for a mesh
 /// without normals or without a triangle that has an area. 0 for a faceted mesh up to the rounding of its normals,
 /// which is below 0.0001 degrees.
@@ -129,6 +152,8 @@ mod tests {
         let mut open = full.clone();
         open.triangles.pop();
         assert!(is_closed((&full).into()) && !is_closed((&open).into()));
+        // Three triangles share an edge with the one that is missing.
+        assert!(rim((&full).into()).is_empty() && rim((&open).into()).len() == 3);
         assert!((signed_volume((&flip(full)).into()) + 6.0).abs() < 1e-12);
     }
 

@@ -9,12 +9,14 @@ mod cylinder;
 mod disk;
 mod error;
 mod faceted;
+mod faults;
 pub mod file;
 mod flip;
 mod geometry;
 mod height_field;
 mod lathe;
 mod measure;
+mod planar;
 mod plate;
 mod rectangle;
 mod revolve;
@@ -31,13 +33,15 @@ pub use cylinder::cylinder;
 pub use disk::disk;
 pub use error::MeshError;
 pub use faceted::faceted;
+pub use faults::{Faults, Found, duplicate_triangles, faults};
 pub use flip::flip;
 pub use geometry::Geometry;
 pub use height_field::{Field, height_field};
 pub use lathe::lathe;
 pub use measure::{
-    View, area, bounds, degenerate_triangles, face_normal, is_closed, largest_normal_deviation, signed_volume,
+    View, area, bounds, degenerate_triangles, face_normal, is_closed, largest_normal_deviation, rim, signed_volume,
 };
+pub use planar::fewest_triangles;
 pub use plate::{Hole, plate};
 pub use rectangle::{Axis, Extent, SignedAxis, rectangle};
 pub use smooth::smooth;

@@ -130,15 +130,15 @@ fn join_over_edges(faces: &[Face], points: &[u32], crease: f64, groups: &mut Gro
     }
 }
 
-/// Disjoint sets of corners.
-struct Groups(Vec<u32>);
+/// Disjoint sets of corners or faces.
+pub(super) struct Groups(Vec<u32>);
 
 impl Groups {
-    fn new(count: usize) -> Self {
+    pub fn new(count: usize) -> Self {
         Self((0..count as u32).collect())
     }
 
-    fn find(&mut self, mut at: u32) -> u32 {
+    pub fn find(&mut self, mut at: u32) -> u32 {
         while self.0[at as usize] != at {
             // Halving the path keeps it short.
             self.0[at as usize] = self.0[self.0[at as usize] as usize];
@@ -147,7 +147,7 @@ impl Groups {
         at
     }
 
-    fn join(&mut self, one: u32, other: u32) {
+    pub fn join(&mut self, one: u32, other: u32) {
         let (one, other) = (self.find(one), self.find(other));
         // The lower becomes the root, so that the result does not depend on the order of joining.
         self.0[one.max(other) as usize] = one.min(other);

@@ -54,6 +54,8 @@ pub struct Survey<'s> {
     pub placed: Vec<Placed<'s>>,
     /// Whether there are more uses than [`PLACED_LIMIT`], so that some are missing.
     pub cut: bool,
+    /// The box around each mesh in its own coordinates; none for a mesh without vertices.
+    pub meshes: Vec<Option<Bounds>>,
     /// A box around everything; none for an empty scene.
     pub bounds: Option<Bounds>,
 }
@@ -61,11 +63,10 @@ pub struct Survey<'s> {
 impl<'s> Survey<'s> {
     /// Surveys a scene. Handles that point nowhere are passed over: validation reports them.
     pub fn of(scene: &'s Scene) -> Self {
-        let boxes = scene.meshes.values().map(|mesh| Bounds::of_points(mesh.positions.iter().copied())).collect();
-        let mut survey = Self { scene, placed: Vec::new(), cut: false, bounds: None };
-        let walk = Walk { boxes };
-        walk.shapes(&mut survey, &scene.shapes, &Affine::IDENTITY, None);
-        walk.instances(&mut survey, &scene.instances, &Affine::IDENTITY, None, 0);
+        let meshes = scene.meshes.values().map(|mesh| Bounds::of_points(mesh.positions.iter().copied())).collect();
+        let mut survey = Self { scene, placed: Vec::new(), cut: false, meshes, bounds: None };
+        survey.shapes(&scene.shapes, &Affine::IDENTITY, None);
+        survey.instances(&scene.instances, &Affine::IDENTITY, None, 0);
         for placed in &survey.placed {
             survey.bounds = Some(survey.bounds.map_or(placed.bounds, |all| all.union(placed.bounds)));
         }
@@ -85,53 +86,44 @@ impl<'s> Survey<'s> {
             if mirrored { [a, c, b] } else { [a, b, c] }
         })
     }
-}
 
-/// The boxes around the meshes in their own coordinates.
-struct Walk {
-    boxes: Vec<Option<Bounds>>,
-}
-
-impl Walk {
-    fn shapes<'s>(
-        &self,
-        survey: &mut Survey<'s>,
+    fn shapes(
+        &mut self,
         shapes: &'s Arena<Shape>,
         outer: &Affine,
         instance: Option<(&'s Instance, &'s Origin, usize)>,
     ) {
         for (origin, shape) in shapes.entries() {
-            if survey.placed.len() == PLACED_LIMIT {
-                survey.cut = true;
+            if self.placed.len() == PLACED_LIMIT {
+                self.cut = true;
                 return;
             }
             let transform = shape.transform.then(outer);
-            let Some(own) = self.boxes.get(shape.mesh.index()).copied().flatten() else { continue };
-            survey.placed.push(Placed { shape, origin, instance, transform, bounds: own.transformed(&transform) });
+            let Some(own) = self.meshes.get(shape.mesh.index()).copied().flatten() else { continue };
+            self.placed.push(Placed { shape, origin, instance, transform, bounds: own.transformed(&transform) });
         }
     }
 
-    fn instances<'s>(
-        &self,
-        survey: &mut Survey<'s>,
+    fn instances(
+        &mut self,
         instances: &'s Arena<Instance>,
         outer: &Affine,
         outermost: Option<(&'s Instance, &'s Origin, usize)>,
         depth: usize,
     ) {
         for (origin, instance) in instances.entries() {
-            if depth == DEPTH || instance.group.index() >= survey.scene.groups.len() {
+            if depth == DEPTH || instance.group.index() >= self.scene.groups.len() {
                 return;
             }
-            let group = &survey.scene.groups[instance.group];
+            let group = &self.scene.groups[instance.group];
             for (at, place) in instance.places.maps().iter().enumerate() {
-                if survey.cut {
+                if self.cut {
                     return;
                 }
                 let transform = place.then(outer);
                 let outermost = outermost.or(Some((instance, origin, at)));
-                self.shapes(survey, &group.shapes, &transform, outermost);
-                self.instances(survey, &group.instances, &transform, outermost, depth + 1);
+                self.shapes(&group.shapes, &transform, outermost);
+                self.instances(&group.instances, &transform, outermost, depth + 1);
             }
         }
     }

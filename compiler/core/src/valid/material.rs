@@ -9,7 +9,13 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
     for (handle, Material { name, bsdf }) in scene.materials.iter() {
         let mut checker = Checker { name, origin: scene.materials.origin(handle), findings };
         match bsdf {
-            Bsdf::Diffuse { reflectance } | Bsdf::Mirror { reflectance } => checker.reflectance(reflectance),
+            Bsdf::Diffuse { reflectance } => {
+                // What a texture holds is for the renderer to read.
+                if let Some(color) = reflectance.color() {
+                    checker.reflectance(color);
+                }
+            }
+            Bsdf::Mirror { reflectance } => checker.reflectance(reflectance),
             Bsdf::Conductor { eta, k, alpha } => {
                 checker.color("eta", eta, "positive", |x| x > 0.0);
                 checker.color("k", k, "0 or more", |x| x >= 0.0);

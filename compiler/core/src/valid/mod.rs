@@ -1,7 +1,8 @@
 //! What every emitter may rely on.
 //!
 //! A [`Valid`] scene has at least one shape or instance and one camera, a name, and handles that point into its arenas. Its meshes have
-//! triangles, indices in range, finite numbers and unit normals where they have any. Its groups hold shapes only, none of which
+//! triangles, indices in range, finite numbers and unit normals where they have any. Its textures have pixels, and meshes
+//! under them have texture coordinates. Its groups hold shapes only, none of which
 //! emits. At most one of its lights is an environment. Its materials, lights, cameras and
 //! settings lie in the ranges that [`crate::ir`] documents. One file per entity; each function adds all it finds.
 
@@ -13,6 +14,7 @@ mod mesh;
 mod names;
 mod settings;
 mod shape;
+mod texture;
 
 use std::ops::Deref;
 
@@ -57,6 +59,7 @@ pub fn validate(scene: Scene) -> Result<Valid, Vec<Finding>> {
     let mut findings = Vec::new();
     names::check(&scene, &mut findings);
     mesh::check(&scene, &mut findings);
+    texture::check(&scene, &mut findings);
     material::check(&scene, &mut findings);
     // The bounds of each mesh, computed once; none for a mesh that has a finding of its own.
     let bounds: Vec<_> =

@@ -14,7 +14,7 @@ fn good() -> Scene {
     let mut cameras = Arena::default();
     let at = |place: &str| Origin::File { path: "a".to_owned(), place: place.to_owned() };
     let mesh = meshes.push(boxed([0.0; 3], [1.0; 3]).expect("a good box").into_mesh("cube"), at("mesh"));
-    let bsdf = Bsdf::Diffuse { reflectance: Color::Grey(1.0) };
+    let bsdf = Bsdf::Diffuse { reflectance: Color::Grey(1.0).into() };
     let material = materials.push(Material { name: "white".to_owned(), bsdf }, at("material"));
     for emission in [None, Some(Emission { radiance: Color::Grey(3.0) })] {
         // A shape and an emitter may share a name.
@@ -39,6 +39,7 @@ fn good() -> Scene {
         materials,
         shapes,
         lights: Arena::default(),
+        textures: Arena::default(),
         groups: Arena::default(),
         instances: Arena::default(),
         cameras,
@@ -151,7 +152,7 @@ fn materials() {
     let grey = Color::Grey;
     let conductor = |eta, k, alpha| bsdf(Bsdf::Conductor { eta: grey(eta), k: grey(k), alpha });
     let dielectric = |interior, exterior, alpha| bsdf(Bsdf::Dielectric { interior, exterior, alpha });
-    assert_eq!(only(bsdf(Bsdf::Diffuse { reflectance: Color::Rgb([0.5, -0.1, 0.5]) })), at);
+    assert_eq!(only(bsdf(Bsdf::Diffuse { reflectance: Color::Rgb([0.5, -0.1, 0.5]).into() })), at);
     assert_eq!(only(bsdf(Bsdf::Mirror { reflectance: grey(f64::NAN) })), at);
     assert_eq!(only(conductor(0.0, 1.0, 0.1)), at);
     assert_eq!(only(conductor(1.0, -1.0, 0.1)), at);
@@ -236,4 +237,36 @@ fn all_faults_are_reported_at_once() {
         scene.name = String::new();
     });
     assert_eq!(findings.len(), 4);
+}
+
+#[test]
+fn textures_need_pixels_a_fitting_encoding_and_texture_coordinates() {
+    let add = |scene: &mut Scene, image: ImageInfo, encoding: Encoding| {
+        let texture = Texture { name: "oak".to_owned(), file: ImageFile::new(b"a"), image, encoding };
+        let place = Origin::File { path: "a".to_owned(), place: "texture".to_owned() };
+        scene.textures.push(texture, place)
+    };
+    let png = ImageInfo { format: ImageFormat::Png, width: 2, height: 2, channels: 3, bits: 8 };
+    let at = ("invalid-texture", "texture".to_owned());
+    let bad = |image: ImageInfo, encoding| {
+        only(|scene| {
+            add(scene, image, encoding);
+        })
+    };
+    assert_eq!(bad(ImageInfo { width: 0, ..png }, Encoding::Srgb), at);
+    assert_eq!(bad(ImageInfo { channels: 5, ..png }, Encoding::Srgb), at);
+    assert_eq!(bad(ImageInfo { format: ImageFormat::Exr, bits: 32, ..png }, Encoding::Srgb), at);
+    let laid = |uvs: bool| {
+        with(|scene| {
+            let texture = add(scene, png, Encoding::Srgb);
+            for (_, material) in scene.materials.iter_mut() {
+                material.bsdf = Bsdf::Diffuse { reflectance: ColorOrTexture::Texture(texture) };
+            }
+            for (_, mesh) in scene.meshes.iter_mut().filter(|_| !uvs) {
+                mesh.uvs = None;
+            }
+        })
+    };
+    assert!(laid(true).is_empty());
+    assert!(laid(false).iter().all(|finding| finding.id == "missing-uvs") && laid(false).len() == 2);
 }

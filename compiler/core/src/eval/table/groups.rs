@@ -57,7 +57,7 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
         (material, emission.map(color))
     };
     let materials: Vec<_> = surfaces.iter().map(material).collect();
-    let grey = Bsdf::Diffuse { reflectance: Color::Grey(GREY) };
+    let grey = Bsdf::Diffuse { reflectance: Color::Grey(GREY).into() };
     let grey = Rc::new(MaterialValue { name: Some("grey".to_owned()), bsdf: grey, span });
     // A mesh without a name takes that of its first part.
     let mut first = vec![""; meshes.len()];
@@ -139,13 +139,13 @@ fn color([r, g, b]: [f64; 3]) -> Color {
 /// The scattering of a surface, and in words how it differs from what the file says.
 fn bsdf(scatter: &Scatter) -> (Bsdf, Option<&'static str>) {
     match *scatter {
-        Scatter::Diffuse(reflectance) => (Bsdf::Diffuse { reflectance: color(reflectance) }, None),
+        Scatter::Diffuse(reflectance) => (Bsdf::Diffuse { reflectance: color(reflectance).into() }, None),
         Scatter::Mirror(reflectance) => (Bsdf::Mirror { reflectance: color(reflectance) }, None),
         Scatter::Glass { ior, alpha } => (Bsdf::Dielectric { interior: ior, exterior: 1.0, alpha }, None),
         Scatter::MetallicRoughness { base, metallic, roughness, ior: _ } => {
             if metallic < 0.5 {
                 let what = "the specular reflection of what is no metal is left out";
-                return (Bsdf::Diffuse { reflectance: color(base) }, Some(what));
+                return (Bsdf::Diffuse { reflectance: color(base).into() }, Some(what));
             }
             // The real index of refraction that reflects as much at right angles: r = ((n - 1) / (n + 1))^2.
             let index = |reflectance: f64| {

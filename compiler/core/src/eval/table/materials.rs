@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use crate::ir::{Bsdf, Color};
+use crate::ir::{Bsdf, Color, ColorOrTexture};
 
 use super::super::value::{EmissionValue, MaterialValue, Ty, Value};
 use super::{Args, Constructor, Family, Parameter, Problem, Site};
@@ -14,13 +14,13 @@ pub(super) const ROWS: &[Constructor] = &[
         summary: "Lambertian reflection, the same on both sides.",
         params: &[Parameter {
             name: "reflectance",
-            ty: Ty::Color,
+            ty: Ty::ColorOrTexture,
             default: None,
             doc: "share of light reflected, 0..1",
         }],
         positional: 1,
         example: "material ochre = diffuse(rgb(0.882, 0.776, 0.341))",
-        build: |args, site| material(site, Bsdf::Diffuse { reflectance: share(args, "reflectance")? }),
+        build: |args, site| material(site, Bsdf::Diffuse { reflectance: paint(args, "reflectance")? }),
     },
     Constructor {
         family: Family::Material,
@@ -163,8 +163,20 @@ fn share(args: &Args, name: &'static str) -> Result<Color, Problem> {
     positive(args, name, true)
 }
 
+/// A reflectance, or the texture that says it.
+fn paint(args: &Args, name: &'static str) -> Result<ColorOrTexture, Problem> {
+    match args.color_or_texture(name) {
+        Some(ColorOrTexture::Texture(texture)) => Ok(ColorOrTexture::Texture(texture)),
+        Some(ColorOrTexture::Color(color)) => at_least(color, name, true).map(ColorOrTexture::Color),
+        None => Ok(ColorOrTexture::Color(Color::Grey(1.0))),
+    }
+}
+
 fn positive(args: &Args, name: &'static str, zero: bool) -> Result<Color, Problem> {
-    let color = args.color(name).unwrap_or(Color::Grey(1.0));
+    at_least(args.color(name).unwrap_or(Color::Grey(1.0)), name, zero)
+}
+
+fn at_least(color: Color, name: &'static str, zero: bool) -> Result<Color, Problem> {
     let good = if zero { color.min() >= 0.0 } else { color.min() > 0.0 };
     if good {
         return Ok(color);

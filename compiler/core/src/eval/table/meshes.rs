@@ -9,7 +9,7 @@ use crate::mesh::{self, Extent, Geometry, MeshError, SignedAxis};
 
 use super::super::module::beside_help;
 use super::super::value::{MeshValue, Ty, Value};
-use super::{Args, Constructor, Family, Parameter, Problem, Site};
+use super::{Args, Constructor, Family, Parameter, Problem, Remark, Site};
 
 pub(super) const ROWS: &[Constructor] = &[
     Constructor {
@@ -263,6 +263,7 @@ pub(super) fn broken(path: &VPath, error: mesh::file::FileError) -> Problem {
 pub(super) fn remark(path: &VPath, notes: Vec<mesh::file::Note>, site: &mut Site<'_>) {
     for note in notes.into_iter().filter(|note| note.severity >= Severity::Warn) {
         let place = if note.place.is_empty() { String::new() } else { format!(", {}", note.place) };
-        site.remarks.push((format!("`{path}`{place}: {}", note.message), note.help));
+        let message = format!("`{path}`{place}: {}", note.message);
+        site.remarks.push(Remark { message, help: note.help, lengths: note.lengths });
     }
 }

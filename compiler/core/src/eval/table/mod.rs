@@ -10,6 +10,7 @@ mod materials;
 mod meshes;
 mod settings;
 mod stages;
+mod textures;
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -17,7 +18,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::diag::{Finding, Span};
 use crate::files::{Bytes, ReadError, VPath};
-use crate::ir::{Affine, Color, Vec3};
+use crate::ir::{Affine, Color, ColorOrTexture, Handle, Texture, Vec3};
 
 use super::function::Function;
 use super::value::{Ty, Value};
@@ -50,13 +51,15 @@ pub enum Family {
     Sampler,
     /// A color.
     Color,
+    /// An image on a surface.
+    Texture,
     /// A function of values.
     Function,
 }
 
 impl Family {
     /// All families in the order of the manual.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Material,
         Self::Emission,
         Self::Light,
@@ -69,6 +72,7 @@ impl Family {
         Self::Integrator,
         Self::Sampler,
         Self::Color,
+        Self::Texture,
         Self::Function,
     ];
 
@@ -87,6 +91,7 @@ impl Family {
             Self::Integrator => "an integrator",
             Self::Sampler => "a sampler",
             Self::Color => "a color",
+            Self::Texture => "a texture",
             Self::Function => "a function",
         }
     }
@@ -214,6 +219,14 @@ impl Args {
         }
     }
 
+    pub(super) fn color_or_texture(&self, name: &str) -> Option<ColorOrTexture> {
+        match self.get(name) {
+            Some(Value::Color(color)) => Some(ColorOrTexture::Color(*color)),
+            Some(Value::Texture(texture)) => Some(ColorOrTexture::Texture(*texture)),
+            _ => None,
+        }
+    }
+
     pub(super) fn vec3(&self, name: &str) -> Option<Vec3> {
         match self.get(name) {
             Some(Value::Vector(parts)) => Some([*parts.first()?, *parts.get(1)?, *parts.get(2)?]),
@@ -243,6 +256,9 @@ pub(super) trait Host {
     /// Reads a file of the project.
     fn read(&mut self, path: &VPath) -> Result<Bytes, ReadError>;
 
+    /// Keeps a texture, made at `span`.
+    fn texture(&mut self, texture: Texture, span: Span) -> Handle<Texture>;
+
     /// Maps that have been read from a file and are to be kept for the next call that names it.
     fn scattered(&mut self) -> &mut BTreeMap<VPath, Arc<[Affine]>>;
 
@@ -264,9 +280,19 @@ pub(super) struct Site<'s> {
     /// What the evaluator does for it.
     pub host: &'s mut dyn Host,
     /// Things to say although the value could be made.
-    pub remarks: Vec<(String, Option<String>)>,
+    pub remarks: Vec<Remark>,
     /// Other findings.
     pub findings: Vec<Finding>,
+}
+
+/// Something to say although the value could be made.
+pub(super) struct Remark {
+    /// What was changed or left out.
+    pub message: String,
+    /// What to do about it.
+    pub help: Option<String>,
+    /// Whether it is about normals of another length than 1: then lint says it.
+    pub lengths: bool,
 }
 
 impl Site<'_> {
@@ -289,8 +315,9 @@ impl Site<'_> {
 
 /// All rows, family by family.
 pub fn table() -> impl Iterator<Item = &'static Constructor> {
-    let parts: [&'static [Constructor]; 9] = [
+    let parts: [&'static [Constructor]; 10] = [
         materials::ROWS,
+        textures::ROWS,
         lights::ROWS,
         meshes::ROWS,
         generators::ROWS,

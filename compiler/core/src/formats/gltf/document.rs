@@ -19,6 +19,12 @@ pub struct Document {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub materials: Vec<Material>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub textures: Vec<Texture>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub images: Vec<Image>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub samplers: Vec<TextureSampler>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
     pub accessors: Vec<Accessor>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub buffer_views: Vec<BufferView>,
@@ -195,8 +201,37 @@ pub struct Material {
 #[serde(rename_all = "camelCase")]
 pub struct Metallic {
     pub base_color_factor: [f64; 4],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub base_color_texture: Option<TextureIndex>,
     pub metallic_factor: f64,
     pub roughness_factor: f64,
+}
+
+#[derive(Serialize)]
+pub struct TextureIndex {
+    pub index: usize,
+}
+
+#[derive(Serialize)]
+pub struct Texture {
+    pub name: String,
+    pub sampler: usize,
+    pub source: usize,
+}
+
+#[derive(Serialize)]
+pub struct Image {
+    pub name: String,
+    pub uri: String,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "camelCase")]
+pub struct TextureSampler {
+    pub mag_filter: u32,
+    pub min_filter: u32,
+    pub wrap_s: u32,
+    pub wrap_t: u32,
 }
 
 #[derive(Default, Serialize)]

@@ -7,13 +7,13 @@ use super::buffer::{Layout, Part, Place};
 use super::document as doc;
 use super::names;
 use crate::files::Sink;
-use crate::formats::Emission;
 use crate::formats::shared::camera;
 use crate::formats::shared::names::file_stem;
 use crate::formats::shared::text::{self, Head};
+use crate::formats::{self, Emission};
 use crate::ir::{
-    Affine, Axes, Bsdf, Camera, Emission as Light, Film, Filter, Group, Handle, Instance, LightKind, LightSource,
-    Material, Mesh, Sampler, Scene, Shape, sub,
+    Affine, Axes, Bsdf, Camera, Color, ColorOrTexture, Emission as Light, Film, Filter, Group, Handle, Instance,
+    LightKind, LightSource, Material, Mesh, Sampler, Scene, Shape, Texture, sub,
 };
 
 /// Writes all files of the target.
@@ -25,10 +25,19 @@ pub fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
         serde_json::to_writer_pretty(&mut *out, &document)?;
         out.write_all(b"\n")
     })?;
+    for ((texture, file), _) in textures(scene) {
+        sink.file(&format!("textures/{file}"), &mut |out| out.write_all(&texture.file))?;
+    }
     if layout.bytes == 0 {
         return Ok(());
     }
     sink.file(&format!("{stem}.bin"), &mut |out| layout.write(scene, out))
+}
+
+/// The textures that glTF can hold, each with its file and its index in the document.
+fn textures(scene: &Scene) -> impl Iterator<Item = ((&Texture, String), usize)> {
+    let files = formats::texture_files(scene);
+    scene.textures.values().zip(files).filter(|(texture, _)| names::reads(texture)).zip(0..)
 }
 
 fn document(scene: &Scene, camera: &Camera, stem: &str) -> (doc::Document, Layout) {
@@ -69,7 +78,21 @@ fn document(scene: &Scene, camera: &Camera, stem: &str) -> (doc::Document, Layou
     };
     let head = Head { scene: &scene.name, target: "gltf" }.to_string();
     let mut layout = layout;
+    let (mut images, mut uses) = (Vec::new(), Vec::new());
+    for ((Texture { name, file: _, image: _, encoding: _ }, file), index) in textures(scene) {
+        images.push(doc::Image { name: name.clone(), uri: format!("textures/{file}") });
+        uses.push(doc::Texture { name: name.clone(), sampler: 0, source: index });
+    }
+    let sampler = doc::TextureSampler {
+        mag_filter: names::LINEAR,
+        min_filter: names::LINEAR,
+        wrap_s: names::REPEAT,
+        wrap_t: names::REPEAT,
+    };
     let document = doc::Document {
+        samplers: if uses.is_empty() { Vec::new() } else { vec![sampler] },
+        textures: uses,
+        images,
         asset: doc::Asset {
             version: "2.0",
             generator: "ltsc",
@@ -182,7 +205,7 @@ impl Made {
         }
         let Shape { name: _, mesh, transform: _, material, emission } = shape;
         let thickness = thickness(&scene.meshes[*mesh]);
-        let made = made_material(&scene.materials[*material], emission.as_ref(), thickness);
+        let made = made_material(scene, &scene.materials[*material], emission.as_ref(), thickness);
         self.materials.push(made);
         let index = self.materials.len() - 1;
         self.known_materials.insert(surface, index);
@@ -205,11 +228,27 @@ fn bits(emission: Option<&Light>) -> Option<[u64; 3]> {
     emission.map(|Light { radiance }| radiance.rgb().map(f64::to_bits))
 }
 
-fn made_material(material: &Material, emission: Option<&Light>, thickness: f64) -> doc::Material {
+/// The factor and the texture of a base color.
+fn paint(scene: &Scene, value: &ColorOrTexture) -> ([f64; 3], Option<doc::TextureIndex>) {
+    match value {
+        ColorOrTexture::Color(color) => (color.rgb(), None),
+        ColorOrTexture::Texture(handle) => {
+            let own = &scene.textures[*handle];
+            let known = textures(scene).find(|((texture, _), _)| std::ptr::eq(*texture, own));
+            match known {
+                Some((_, index)) => ([1.0; 3], Some(doc::TextureIndex { index })),
+                None => (Color::Grey(formats::STAND_IN).rgb(), None),
+            }
+        }
+    }
+}
+
+fn made_material(scene: &Scene, material: &Material, emission: Option<&Light>, thickness: f64) -> doc::Material {
     let Material { name, bsdf } = material;
     let mut extensions = doc::Extensions::default();
     let opaque = |[r, g, b]: [f64; 3], metallic_factor, roughness_factor| doc::Metallic {
         base_color_factor: [r, g, b, 1.0],
+        base_color_texture: None,
         metallic_factor,
         roughness_factor,
     };
@@ -217,7 +256,8 @@ fn made_material(material: &Material, emission: Option<&Light>, thickness: f64) 
         Bsdf::Diffuse { reflectance } => {
             // Without the specular layer that every glTF dielectric has, what remains is Lambert's reflection.
             extensions.specular = Some(doc::Specular { specular_factor: 0.0 });
-            (opaque(reflectance.rgb(), 0.0, 1.0), true)
+            let (factor, base_color_texture) = paint(scene, reflectance);
+            (doc::Metallic { base_color_texture, ..opaque(factor, 0.0, 1.0) }, true)
         }
         Bsdf::Conductor { eta, k, alpha } => (opaque(names::base_color(eta, k), 1.0, names::roughness(*alpha)), true),
         Bsdf::Dielectric { interior, exterior, alpha } => {

@@ -39,6 +39,10 @@ fn supports(feature: Feature) -> Support {
         Feature::Diffuse
         | Feature::ColouredDiffuse
         | Feature::SmoothDiffuse
+        | Feature::Texture
+        | Feature::ColouredTexture
+        | Feature::DeepTexture
+        | Feature::JpegTexture
         | Feature::VertexNormals
         | Feature::NoNormals
         | Feature::TextureCoordinates
@@ -79,6 +83,12 @@ fn supports(feature: Feature) -> Support {
             "the numbers are those of W/sr and W/m2, as those of emitters are those of W/(m2 sr): lights and emitters of a \
              scene keep their ratios",
         ),
+        Feature::LinearTexture | Feature::LinearJpegTexture => Support::unsupported(
+            "the base color of glTF is decoded by the sRGB curve in any case; a grey stands for the texture",
+        ),
+        Feature::ExrTexture | Feature::PfmTexture | Feature::HdrTexture => {
+            Support::unsupported("glTF holds PNG and JPEG only; a grey stands for the texture")
+        }
         Feature::SeveralCameras => super::ONE_CAMERA,
         Feature::Resolution => Support::approximate(
             "a glTF camera holds the ratio of width to height",

@@ -1,7 +1,7 @@
 //! The conventions of glTF 2.0 for numbers, from its specification and those of its extensions.
 
 use crate::formats::shared::camera::across;
-use crate::ir::{Affine, Color, Vec3, cross, normalized};
+use crate::ir::{Affine, Color, Encoding, Texture, Vec3, cross, normalized};
 
 /// `componentType` of 32-bit floats.
 pub const FLOAT: u32 = 5126;
@@ -11,6 +11,16 @@ pub const UNSIGNED_INT: u32 = 5125;
 pub const ARRAY_BUFFER: u32 = 34962;
 /// `target` of a buffer view with indices.
 pub const ELEMENT_ARRAY_BUFFER: u32 = 34963;
+
+/// `magFilter` and `minFilter`: linearly between the middles of pixels.
+pub const LINEAR: u32 = 9729;
+/// `wrapS` and `wrapT`: images repeat.
+pub const REPEAT: u32 = 10497;
+
+/// Whether glTF can hold the image: PNG and JPEG (3.9.2), whose colors are those of sRGB in a base color (3.9.2).
+pub fn reads(texture: &Texture) -> bool {
+    !texture.image.format.is_float() && texture.encoding == Encoding::Srgb
+}
 
 /// The root's matrix: the Scene's z is up, glTF's y is: (x, y, z) becomes (x, z, -y).
 pub const Z_UP_TO_Y_UP: Affine = Affine { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, -1.0, 0.0, 0.0]] };

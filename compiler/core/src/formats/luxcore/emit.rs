@@ -1,4 +1,5 @@
-//! Scene to LuxCore's scene description language: `scene.cfg` (settings) and `scene.scn` (camera, materials, objects).
+//! Scene to LuxCore's scene description language: `scene.cfg` (settings) and `scene.scn` (camera, materials, objects), and
+//! `srgb.ocio` where images are to be decoded.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -11,8 +12,8 @@ use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Line, Quoted};
 use crate::formats::{self, Emission};
 use crate::ir::{
-    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Instance, Integrator, LightKind, LightSource,
-    Material, Sampler, Scene, Shape,
+    Affine, Bsdf, Camera, Color, ColorOrTexture, Emission as Light, Encoding, Film, Filter, Instance, Integrator,
+    LightKind, LightSource, Material, Sampler, Scene, Shape, Texture,
 };
 
 /// Writes all files of the target.
@@ -24,10 +25,16 @@ pub fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
         writeln!(out, "# {head}")?;
         settings(scene, out)
     })?;
+    if scene.textures.values().any(|texture| texture.encoding == Encoding::Srgb) {
+        text::file(sink, names::SRGB_FILE, |out| {
+            writeln!(out, "# {head}")?;
+            out.write_all(names::SRGB_CONFIG.as_bytes())
+        })?;
+    }
     text::file(sink, "scene.scn", |out| {
         writeln!(out, "# {head}")?;
         view(scene, &scene.cameras[emission.camera], out)?;
-        description(scene, emission.meshes, out)
+        description(emission, out)
     })
 }
 
@@ -106,13 +113,20 @@ fn view(scene: &Scene, camera: &Camera, out: &mut dyn Write) -> io::Result<()> {
 /// A material and what it emits: LuxCore makes emission part of the material. Radiance by its bits, for the order.
 type Surface = (usize, Option<[u64; 3]>);
 
-fn description(scene: &Scene, meshes: &str, out: &mut dyn Write) -> io::Result<()> {
+fn description(emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let (scene, meshes): (&Scene, &str) = (emission.scene, emission.meshes);
     let mut words = Words::default();
     let materials = words.assign(scene.materials.values().map(|material| material.name.as_str()));
+    // The ending keeps these apart from the textures that belong to materials.
+    let textures = Words::default().assign(scene.textures.values().map(|texture| texture.name.as_str()));
+    let textures: Vec<String> = textures.iter().map(|id| format!("{id}_image")).collect();
+    for ((item, id), file) in scene.textures.values().zip(&textures).zip(formats::texture_files(scene)) {
+        texture(item, id, &format!("{}{file}", emission.textures), out)?;
+    }
     for (item, id) in scene.materials.values().zip(&materials) {
         let Material { name, bsdf } = item;
         comment(name, id, out)?;
-        material(bsdf, id, out)?;
+        material(bsdf, id, &textures, out)?;
     }
     // Emitting variants of a material are named after the first shape that has them.
     let mut variants: BTreeMap<Surface, String> = BTreeMap::new();
@@ -124,7 +138,7 @@ fn description(scene: &Scene, meshes: &str, out: &mut dyn Write) -> io::Result<(
             continue;
         }
         let id = words.assign(std::iter::once(name.as_str())).concat();
-        material(&scene.materials[*base].bsdf, &id, out)?;
+        material(&scene.materials[*base].bsdf, &id, &textures, out)?;
         emission_of(radiance, &id, out)?;
         variants.insert(surface, id);
     }
@@ -179,12 +193,35 @@ fn surface(material: usize, emission: Option<&Light>) -> Surface {
     (material, emission.map(|Light { radiance }| radiance.rgb().map(f64::to_bits)))
 }
 
-fn material(bsdf: &Bsdf, id: &str, out: &mut dyn Write) -> io::Result<()> {
+/// An image. LuxCore's v grows downwards in it (measured with 2.11.2), so it is mirrored.
+fn texture(texture: &Texture, id: &str, path: &str, out: &mut dyn Write) -> io::Result<()> {
+    comment(&texture.name, id.strip_suffix("_image").unwrap_or(id), out)?;
+    let mut put = |name: &str, value: &str| set(out, &format!("scene.textures.{id}.{name}"), value);
+    put("type", "\"imagemap\"")?;
+    put("file", &Quoted(path).to_string())?;
+    names::decoding(texture.encoding).iter().try_for_each(|(name, value)| put(name, value))?;
+    // Numbers that are decoded and then kept in bytes lose most of their dark ones.
+    put("storage", "\"float\"")?;
+    put("wrap", "\"repeat\"")?;
+    put("mapping.type", "\"uvmapping2d\"")?;
+    put("mapping.uvscale", "1 -1")?;
+    put("mapping.uvdelta", "0 1")
+}
+
+/// A color, or the name of the texture that says it.
+fn paint(value: &ColorOrTexture, textures: &[String]) -> String {
+    match value {
+        ColorOrTexture::Color(color) => rgb(color),
+        ColorOrTexture::Texture(texture) => format!("\"{}\"", textures[texture.index()]),
+    }
+}
+
+fn material(bsdf: &Bsdf, id: &str, textures: &[String], out: &mut dyn Write) -> io::Result<()> {
     let mut put = |name: &str, value: &str| set(out, &format!("scene.materials.{id}.{name}"), value);
     match bsdf {
         Bsdf::Diffuse { reflectance } => {
             put("type", "\"matte\"")?;
-            put("kd", &rgb(reflectance))
+            put("kd", &paint(reflectance, textures))
         }
         Bsdf::Conductor { eta, k, alpha } => {
             put("type", "\"metal2\"")?;

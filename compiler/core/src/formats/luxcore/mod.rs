@@ -33,6 +33,15 @@ fn supports(feature: Feature) -> Support {
         | Feature::Environment
         | Feature::PointLight
         | Feature::DirectionalLight
+        | Feature::Texture
+        | Feature::ColouredTexture
+        | Feature::LinearTexture
+        | Feature::DeepTexture
+        | Feature::JpegTexture
+        | Feature::LinearJpegTexture
+        | Feature::ExrTexture
+        | Feature::PfmTexture
+        | Feature::HdrTexture
         | Feature::ColouredConductor
         | Feature::SharpConductor
         | Feature::VertexNormals

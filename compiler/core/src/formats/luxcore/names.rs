@@ -2,7 +2,7 @@
 //!
 //! Measured with pyluxcore 2.11.2 where it says so, else read in LuxCore's source (`src/slg/scene/parse*.cpp`).
 
-use crate::ir::Film;
+use crate::ir::{Encoding, Film};
 
 /// The screen window that goes with a `fieldofview` along the image's width: `left right bottom top`.
 ///
@@ -39,6 +39,39 @@ pub const DEFAULT_CLIPPING: (f64, f64) = (1e-3, 1e30);
 /// The gain of a point light: LuxCore spreads colour times gain over the whole sphere of directions, 4 pi steradians
 /// (`pointlight.cpp`; measured with 2.11.2), where the Scene counts what goes into each steradian.
 pub const POINT_GAIN: f64 = 4.0 * std::f64::consts::PI;
+
+/// Properties that decode an image. LuxCore's own way is a power, and 2.2 instead of the sRGB curve is 1.7 % too much for a code of
+/// 128 and 31 % too little for 30 (measured with 2.11.2); [`SRGB_CONFIG`] is the curve itself.
+pub fn decoding(encoding: Encoding) -> &'static [(&'static str, &'static str)] {
+    match encoding {
+        Encoding::Srgb => &[
+            ("colorspace", "\"opencolorio\""),
+            ("colorspace.config", "\"srgb.ocio\""),
+            ("colorspace.name", "\"srgb\""),
+        ],
+        Encoding::Linear => &[("gamma", "1")],
+    }
+}
+
+/// The file that says what sRGB is, for OpenColorIO within LuxCore; looked up in the folder where LuxCore is started.
+pub const SRGB_FILE: &str = "srgb.ocio";
+
+/// Its contents: the curve of IEC 61966-2-1, and the scene's own linear values.
+pub const SRGB_CONFIG: &str = "\
+ocio_profile_version: 2
+roles:
+  default: linear
+  scene_linear: linear
+displays:
+  none:
+    - !<View> {name: none, colorspace: linear}
+colorspaces:
+  - !<ColorSpace>
+    name: linear
+  - !<ColorSpace>
+    name: srgb
+    to_scene_reference: !<ExponentWithLinearTransform> {gamma: 2.4, offset: 0.055, direction: forward}
+";
 
 /// Settings that every scene has, with the reason of each.
 pub const FIXED: &[(&str, &str)] = &[

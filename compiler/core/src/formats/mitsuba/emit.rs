@@ -11,8 +11,8 @@ use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Xml, XmlComment};
 use crate::formats::{self, Emission};
 use crate::ir::{
-    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Group, Instance, Integrator, LightKind, LightSource,
-    Material, Mesh, Sampler, Scene, Shape, sub,
+    Affine, Bsdf, Camera, Color, ColorOrTexture, Emission as Light, Encoding, Film, Filter, Group, Instance,
+    Integrator, LightKind, LightSource, Material, Mesh, Sampler, Scene, Shape, Texture, sub,
 };
 
 /// Writes all files of the target.
@@ -32,7 +32,7 @@ pub fn emit(version: Version, emission: &Emission<'_>, sink: &mut dyn Sink) -> i
     })?;
     text::file(sink, "description.xml", |out| {
         open(version, &head, out)?;
-        description(version, scene, emission.meshes, out)?;
+        description(version, emission, out)?;
         close(out)
     })
 }
@@ -172,24 +172,30 @@ fn film(names: &Names, film: &Film, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "\t\t</film>")
 }
 
-fn description(version: Version, scene: &Scene, meshes: &str, out: &mut dyn Write) -> io::Result<()> {
+fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
     let names = version.names();
+    let scene: &Scene = emission.scene;
     // Everything shares one space of ids. Shapes within a group need none: nothing refers to them.
     let mut words = Words::default();
     let materials = words.assign(scene.materials.values().map(|material| material.name.as_str()));
     let groups = words.assign(scene.groups.values().map(|group| group.name.as_str()));
     let shapes = words.assign(scene.shapes.values().map(|shape| shape.name.as_str()));
+    let textures = words.assign(scene.textures.values().map(|texture| texture.name.as_str()));
+    for ((item, id), file) in scene.textures.values().zip(&textures).zip(formats::texture_files(scene)) {
+        comment(&item.name, id, out)?;
+        texture(names, item, id, &format!("{}{file}", emission.textures), out)?;
+    }
     let placed_names: Vec<Cow<'_, str>> =
         scene.instances.values().flat_map(|instance| instance.named().map(|(name, _)| name)).collect();
     let mut instances = words.assign(placed_names.iter().map(Cow::as_ref)).into_iter();
     for (item, id) in scene.materials.values().zip(&materials) {
         let Material { name, bsdf } = item;
         comment(name, id, out)?;
-        material(names, bsdf, id, out)?;
+        material(names, bsdf, id, &textures, out)?;
     }
     writeln!(out)?;
     let lights = words.assign(scene.lights.values().map(|light| light.name.as_str()));
-    let surfaces = Surfaces { names, scene, materials, files: formats::mesh_files(scene), folder: meshes };
+    let surfaces = Surfaces { names, scene, materials, files: formats::mesh_files(scene), folder: emission.meshes };
     for (group, id) in scene.groups.values().zip(&groups) {
         let Group { name, shapes, instances: _ } = group;
         comment(name, id, out)?;
@@ -298,11 +304,48 @@ fn emitter(names: &Names, kind: &LightKind, id: &str, out: &mut dyn Write) -> io
     writeln!(out, "\t</emitter>")
 }
 
-fn material(names: &Names, bsdf: &Bsdf, id: &str, out: &mut dyn Write) -> io::Result<()> {
+/// An image. Mitsuba's v grows downwards in it (measured with 3.9.1; `Texture2D` and `TMIPMap` of 0.6), so it is mirrored.
+fn texture(names: &Names, texture: &Texture, id: &str, path: &str, out: &mut dyn Write) -> io::Result<()> {
+    let Texture { name: _, file: _, image, encoding } = texture;
+    writeln!(out, "\t<texture type=\"bitmap\" id=\"{id}\">")?;
+    string(out, 2, "filename", path)?;
+    string(out, 2, names.filter_type.0, names.filter_type.1)?;
+    string(out, 2, names.wrap_mode, "repeat")?;
+    let linear = *encoding == Encoding::Linear;
+    if names.to_uv {
+        // Nothing is decoded then; images of floats never are.
+        if linear && !image.format.is_float() {
+            writeln!(out, "\t\t<boolean name=\"raw\" value=\"true\"/>")?;
+        }
+        writeln!(out, "\t\t<transform name=\"to_uv\">")?;
+        writeln!(out, "\t\t\t<scale x=\"1\" y=\"-1\"/>")?;
+        writeln!(out, "\t\t\t<translate x=\"0\" y=\"1\"/>")?;
+        writeln!(out, "\t\t</transform>")?;
+    } else {
+        // -1 is the sRGB curve (`bitmap.cpp` of 0.6).
+        float(out, 2, "gamma", if linear { 1.0 } else { -1.0 })?;
+        float(out, 2, "vscale", -1.0)?;
+        float(out, 2, "voffset", 1.0)?;
+    }
+    writeln!(out, "\t</texture>")
+}
+
+/// A color, or the reference to the texture that says it.
+fn paint(out: &mut dyn Write, depth: usize, name: &str, value: &ColorOrTexture, textures: &[String]) -> io::Result<()> {
+    match value {
+        ColorOrTexture::Color(color) => rgb(out, depth, name, color),
+        ColorOrTexture::Texture(texture) => {
+            indent(out, depth)?;
+            writeln!(out, "<ref name=\"{name}\" id=\"{}\"/>", textures[texture.index()])
+        }
+    }
+}
+
+fn material(names: &Names, bsdf: &Bsdf, id: &str, textures: &[String], out: &mut dyn Write) -> io::Result<()> {
     match bsdf {
         Bsdf::Diffuse { reflectance } => {
             open_twosided(id, "diffuse", out)?;
-            rgb(out, 3, "reflectance", reflectance)?;
+            paint(out, 3, "reflectance", reflectance, textures)?;
             close_twosided(out)
         }
         Bsdf::Conductor { eta, k, alpha } => {

@@ -64,6 +64,14 @@ fn supports(version: Version, feature: Feature) -> Support {
         | Feature::SpotLight
         | Feature::SoftSpotLight
         | Feature::DirectionalLight
+        | Feature::ColouredTexture
+        | Feature::LinearTexture
+        | Feature::DeepTexture
+        | Feature::JpegTexture
+        | Feature::LinearJpegTexture
+        | Feature::ExrTexture
+        | Feature::PfmTexture
+        | Feature::HdrTexture
         | Feature::VertexNormals
         | Feature::NoNormals
         | Feature::TextureCoordinates
@@ -79,6 +87,14 @@ fn supports(version: Version, feature: Feature) -> Support {
         | Feature::LightTracing
         | Feature::EmissionOnly
         | Feature::IndependentSampler => Exact,
+        Feature::Texture => match version {
+            Version::V05 | Version::V06 => Support::approximate(
+                "Mitsuba 0.x keeps images as half-precision numbers, and averages what the camera sees of them over the \
+                 footprint of a pixel",
+                "0.05 % of a value; edges within an image blurred by about a pixel of the film (`bitmap.cpp` of 0.6)",
+            ),
+            Version::V3 => Exact,
+        },
         Feature::Bidirectional => match version {
             Version::V05 | Version::V06 => Exact,
             Version::V3 => Support::unsupported(

@@ -96,6 +96,14 @@ pub struct Names {
     /// Spot: half of the cone's opening, and of the part of full intensity, in degrees (`m_cosCutoffAngle` and
     /// `m_cosBeamWidth` are cosines of the whole numbers in `spot.cpp` of 0.6 and 3.9.1).
     pub spot: (&'static str, &'static str),
+    /// Bitmap: the parameter that says how pixels are looked up, and its value: linearly between their middles, in 0.x also over
+    /// the footprint of a pixel of the film.
+    pub filter_type: (&'static str, &'static str),
+    /// Bitmap: what lies beyond its edges.
+    pub wrap_mode: &'static str,
+    /// Bitmap: whether texture coordinates are moved by `to_uv` and decoding is switched off by `raw` (3); else by `vscale` and
+    /// `voffset`, and by `gamma` (0.x).
+    pub to_uv: bool,
     /// Mesh: flat faces.
     pub face_normals: &'static str,
 }
@@ -119,6 +127,9 @@ static CAMEL: Names = Names {
     ext_eta: Some("extEta"),
     specular_reflectance: "specularReflectance",
     spot: ("cutoffAngle", "beamWidth"),
+    filter_type: ("filterType", "ewa"),
+    wrap_mode: "wrapMode",
+    to_uv: false,
     face_normals: "faceNormals",
 };
 
@@ -141,6 +152,9 @@ static SNAKE: Names = Names {
     ext_eta: None,
     specular_reflectance: "specular_reflectance",
     spot: ("cutoff_angle", "beam_width"),
+    filter_type: ("filter_type", "bilinear"),
+    wrap_mode: "wrap_mode",
+    to_uv: true,
     face_normals: "face_normals",
 };
 

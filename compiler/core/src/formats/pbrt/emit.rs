@@ -13,8 +13,8 @@ use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Line, Quoted};
 use crate::formats::{self, Emission};
 use crate::ir::{
-    Affine, Bsdf, Camera, Color, Emission as Light, Film, Filter, Group, Instance, Integrator, LightKind, LightSource,
-    Material, Sampler, Scene, Shape,
+    Affine, Bsdf, Camera, Color, ColorOrTexture, Emission as Light, Film, Filter, Group, Instance, Integrator,
+    LightKind, LightSource, Material, Sampler, Scene, Shape, Texture,
 };
 
 /// Writes all files of the target.
@@ -32,7 +32,7 @@ pub fn emit(version: Version, emission: &Emission<'_>, sink: &mut dyn Sink) -> i
     })?;
     text::file(sink, "description.pbrt", |out| {
         writeln!(out, "# {head}")?;
-        description(version, scene, emission.meshes, out)
+        description(version, emission, out)
     })
 }
 
@@ -118,16 +118,30 @@ fn integrator(version: Version, scene: &Scene, samples: u32, out: &mut dyn Write
     }
 }
 
-fn description(version: Version, scene: &Scene, meshes: &str, out: &mut dyn Write) -> io::Result<()> {
+fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let scene: &Scene = emission.scene;
+    let meshes = emission.meshes;
     let materials = Words::default().assign(scene.materials.values().map(|material| material.name.as_str()));
     let files = formats::mesh_files(scene);
     writeln!(out, "WorldBegin\n")?;
+    // None for a texture that cannot be read.
+    let ids = Words::default().assign(scene.textures.values().map(|texture| texture.name.as_str()));
+    let mut textures = Vec::new();
+    for ((item, id), file) in scene.textures.values().zip(ids).zip(formats::texture_files(scene)) {
+        let readable = names::reads(version, item);
+        if readable {
+            texture(version, item, &id, &format!("{}{file}", emission.textures), out)?;
+        } else {
+            writeln!(out, "# {}", Line(&text::no_texture(&item.name, version.target())))?;
+        }
+        textures.push(readable.then_some(id));
+    }
     for (item, id) in scene.materials.values().zip(&materials) {
         let Material { name, bsdf } = item;
         if name != id {
             writeln!(out, "# {}", Line(name))?;
         }
-        material(version, bsdf, id, out)?;
+        material(version, bsdf, id, &textures, out)?;
     }
     for item in scene.lights.values() {
         let LightSource { name, kind } = item;
@@ -204,13 +218,41 @@ fn light(version: Version, kind: &LightKind, out: &mut dyn Write) -> io::Result<
     }
 }
 
-fn material(version: Version, bsdf: &Bsdf, id: &str, out: &mut dyn Write) -> io::Result<()> {
+/// An image. Both versions turn it over, so that v grows upwards in it (`ImageTexture` of both).
+fn texture(version: Version, texture: &Texture, id: &str, path: &str, out: &mut dyn Write) -> io::Result<()> {
+    let path = Quoted(path);
+    let name = if texture.name == id { String::new() } else { format!("# {}\n", Line(&texture.name)) };
+    let more = names::lookup(version, texture);
+    writeln!(
+        out,
+        "{name}Texture \"{id}\" \"spectrum\" \"imagemap\" \"string filename\" [{path}] \"string wrap\" [\"repeat\"] {more}"
+    )
+}
+
+/// A color, or the texture that says it, as the parameter `name`.
+fn paint(name: &str, value: &ColorOrTexture, textures: &[Option<String>]) -> String {
+    match value {
+        ColorOrTexture::Color(color) => format!("\"rgb {name}\" [{}]", rgb(color)),
+        ColorOrTexture::Texture(texture) => match &textures[texture.index()] {
+            Some(id) => format!("\"texture {name}\" [\"{id}\"]"),
+            None => format!("\"rgb {name}\" [{}]", rgb(&Color::Grey(formats::STAND_IN))),
+        },
+    }
+}
+
+fn material(
+    version: Version,
+    bsdf: &Bsdf,
+    id: &str,
+    textures: &[Option<String>],
+    out: &mut dyn Write,
+) -> io::Result<()> {
     let names = version.names();
     write!(out, "MakeNamedMaterial \"{id}\" \"string type\" ")?;
     match bsdf {
         Bsdf::Diffuse { reflectance } => {
             let (kind, name, more) = names.diffuse;
-            writeln!(out, "[\"{kind}\"] \"rgb {name}\" [{}]{more}", rgb(reflectance))
+            writeln!(out, "[\"{kind}\"] {}{more}", paint(name, reflectance, textures))
         }
         Bsdf::Conductor { eta, k, alpha } => writeln!(
             out,

@@ -71,6 +71,12 @@ fn supports_v4(feature: Feature) -> Support {
         | Feature::PointLight
         | Feature::SpotLight
         | Feature::DirectionalLight
+        | Feature::LinearTexture
+        | Feature::DeepTexture
+        | Feature::JpegTexture
+        | Feature::ExrTexture
+        | Feature::PfmTexture
+        | Feature::HdrTexture
         | Feature::VertexNormals
         | Feature::NoNormals
         | Feature::TextureCoordinates
@@ -90,6 +96,17 @@ fn supports_v4(feature: Feature) -> Support {
         | Feature::IndirectLight
         | Feature::IndependentSampler
         | Feature::SobolSampler => Exact,
+        Feature::Texture => Support::approximate(
+            "pbrt-v4 takes a coarser copy of an image where a pixel of the film sees several of its pixels",
+            "edges within an image blurred by about a pixel of the film (`MIPMap::Filter`); exact where the image is magnified",
+        ),
+        Feature::ColouredTexture => Support::approximate(
+            "pbrt-v4 is always spectral: the colours of an image become smooth spectra",
+            "as those of coloured materials: one bounce to 0.1 %, saturated colours differ from the second on",
+        ),
+        Feature::LinearJpegTexture => Support::unsupported(
+            "pbrt-v4 decodes JPEG by the sRGB curve in any case (`Image::Read`); a grey stands for it",
+        ),
         Feature::SoftSpotLight => SOFT4,
         Feature::LightTracing => Support::approximate(
             "pbrt-v4's `lightpath` does not show an environment seen directly",
@@ -159,6 +176,10 @@ fn supports_v3(feature: Feature) -> Support {
         | Feature::PointLight
         | Feature::SpotLight
         | Feature::DirectionalLight
+        | Feature::ColouredTexture
+        | Feature::LinearTexture
+        | Feature::ExrTexture
+        | Feature::PfmTexture
         | Feature::VertexNormals
         | Feature::NoNormals
         | Feature::TextureCoordinates
@@ -182,6 +203,20 @@ fn supports_v3(feature: Feature) -> Support {
             "a coarse sphere of 12 by 6 faces 2.3 % too bright, 27 % in the band between light and shadow (pbrt-v3 \
              against pbrt-v4, Mitsuba 3.9.1 and LuxCore 2.11.2); less with finer meshes",
         ),
+        Feature::Texture => Support::approximate(
+            "PBRT v3 averages an image over the footprint of a pixel of the film",
+            "edges within an image blurred by about a pixel of the film (`MIPMap::Lookup`)",
+        ),
+        Feature::DeepTexture => Support::approximate(
+            "PBRT v3 reads PNG files with 8 bits",
+            "1/510 of full scale before decoding (`ReadImagePNG`)",
+        ),
+        Feature::JpegTexture | Feature::LinearJpegTexture => {
+            Support::unsupported("PBRT v3 reads no JPEG (`ReadImage`); a grey stands for it")
+        }
+        Feature::HdrTexture => {
+            Support::unsupported("PBRT v3 reads no Radiance HDR (`ReadImage`); a grey stands for it")
+        }
         Feature::SmoothConductor => Support::approximate(
             "PBRT v3's metal has an `alpha` of at least 0.001",
             "reflections blurred by about 0.1 degrees (`microfacet.h`)",

@@ -5,7 +5,7 @@
 //! pbrt-v4.
 
 use crate::formats::shared::camera;
-use crate::ir::Film;
+use crate::ir::{Encoding, Film, ImageFormat, Texture};
 
 /// A version of the file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -107,6 +107,27 @@ static V4: Names = Names {
     mirror: ("conductor", "reflectance", " \"float roughness\" [0]"),
     plain_roughness: "\"bool remaproughness\" [false]",
 };
+
+/// Whether a version reads an image as it is meant: v3 reads PNG, OpenEXR and PFM (`ReadImage` of `imageio.cpp`; TGA beside
+/// them); v4 all formats, and takes JPEG as sRGB whatever the file says (`Image::Read` of `image.cpp`).
+pub fn reads(version: Version, texture: &Texture) -> bool {
+    match (version, texture.image.format) {
+        (_, ImageFormat::Png | ImageFormat::Exr | ImageFormat::Pfm) | (Version::V4, ImageFormat::Hdr) => true,
+        (Version::V4, ImageFormat::Jpeg) => texture.encoding == Encoding::Srgb,
+        (Version::V3, ImageFormat::Jpeg | ImageFormat::Hdr) => false,
+    }
+}
+
+/// `Texture "imagemap"`: how pixels are decoded, and looked up between their middles. v3 averages over an ellipse (its only other
+/// way is a pyramid); v4's default is written out.
+pub fn lookup(version: Version, texture: &Texture) -> &'static str {
+    match (version, texture.encoding) {
+        (Version::V3, Encoding::Srgb) => "\"bool gamma\" [\"true\"] \"bool trilinear\" [\"false\"]",
+        (Version::V3, Encoding::Linear) => "\"bool gamma\" [\"false\"] \"bool trilinear\" [\"false\"]",
+        (Version::V4, Encoding::Srgb) => "\"string encoding\" [\"sRGB\"] \"string filter\" [\"bilinear\"]",
+        (Version::V4, Encoding::Linear) => "\"string encoding\" [\"linear\"] \"string filter\" [\"bilinear\"]",
+    }
+}
 
 /// The angle that both versions call `fov`: the full angle along the image's shorter axis (pbrt-v3 and pbrt-v4,
 /// `PerspectiveCamera`: the shorter axis of the default screen window spans -1..1).

@@ -27,6 +27,7 @@ pub fn empty(name: &str) -> Scene {
         origin: Origin::Made,
         documentation: Documentation::default(),
         meshes: Arena::default(),
+        textures: Arena::default(),
         materials: Arena::default(),
         shapes: Arena::default(),
         lights: Arena::default(),
@@ -93,7 +94,7 @@ pub fn block(scene: &mut Scene, name: &str, size: Vec3, centre: Vec3, degrees: f
 pub fn diffuse(rgb: [f64; 3]) -> Bsdf {
     let [r, g, b] = rgb;
     let reflectance = if r == g && g == b { Color::Grey(r) } else { Color::Rgb(rgb) };
-    Bsdf::Diffuse { reflectance }
+    Bsdf::Diffuse { reflectance: reflectance.into() }
 }
 
 /// A Cornell box with its front open, two blocks and a lamp: the classic scene of the light transport test suite.

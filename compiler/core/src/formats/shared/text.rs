@@ -106,6 +106,11 @@ pub fn replaced(asked: &Integrator, target: &str) -> String {
     )
 }
 
+/// What the description of a target says that cannot read a texture.
+pub fn no_texture(name: &str, target: &str) -> String {
+    format!("{target} cannot read the texture `{name}`: a grey of {} stands for it.", crate::formats::STAND_IN)
+}
+
 /// Writes a file of many small pieces.
 pub fn file(sink: &mut dyn Sink, path: &str, write: impl Fn(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     sink.file(path, &mut |out| {

@@ -110,7 +110,7 @@ pub(super) fn finish(
     }
     if let (many @ 1.., first) = changed {
         let message = format!("{} brought to unit length", plural(many, "normal"));
-        notes.push(Note::warn(place(first), message));
+        notes.push(Note { lengths: true, ..Note::warn(place(first), message) });
     }
     if let (many @ 1.., first) = unused {
         let normals = plural(many, "normal");

@@ -63,11 +63,13 @@ pub struct Note {
     pub place: String,
     /// What to do about it.
     pub help: Option<String>,
+    /// Whether it is about normals of another length than 1, which other programs may read otherwise.
+    pub lengths: bool,
 }
 
 impl Note {
     fn info(place: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { severity: Severity::Info, message: message.into(), place: place.into(), help: None }
+        Self { severity: Severity::Info, message: message.into(), place: place.into(), help: None, lengths: false }
     }
 
     fn warn(place: impl Into<String>, message: impl Into<String>) -> Self {

@@ -107,8 +107,14 @@ fn binary(bytes: &[u8]) -> Result<(Geometry, Vec<Note>), FileError> {
 /// The geometry with its flat normals, if no two triangles share a vertex; triangles without area are left out.
 fn flat_soup(mut geometry: Geometry, notes: &mut Vec<Note>) -> Result<Geometry, FileError> {
     let (soup, rest) = geometry.positions.as_chunks::<3>();
+    let whole = |made: Geometry| {
+        if made.triangles.is_empty() {
+            return Err(FileError::new("", "no triangle of the file has an area"));
+        }
+        Ok(made)
+    };
     if !rest.is_empty() || soup.len() != geometry.triangles.len() {
-        return flat(geometry, notes);
+        return flat(geometry, notes).and_then(whole);
     }
     let normal = |corners: &[[f32; 3]; 3]| {
         // Zero marks a triangle without area. Adding 0 turns -0 to 0.
@@ -121,12 +127,7 @@ fn flat_soup(mut geometry: Geometry, notes: &mut Vec<Note>) -> Result<Geometry, 
         soup.par_iter().with_min_len(WORTH_THREADS / 2).map(normal).collect()
     };
     if normals.iter().any(|[normal, ..]| *normal == [0.0; 3]) {
-        let made = flat(geometry, notes)?;
-        return if made.triangles.is_empty() {
-            Err(FileError::new("", "no triangle of the file has an area"))
-        } else {
-            Ok(made)
-        };
+        return flat(geometry, notes).and_then(whole);
     }
     geometry.normals = Some(normals.into_flattened());
     Ok(geometry)

@@ -129,13 +129,16 @@ fn document(text: &[u8]) -> Result<json::Root, FileError> {
             .help("write it without compression: `gltf-transform copy` undoes Draco and meshopt"),
         Error::IndexOutOfBounds => FileError::new(path, "an index points to nothing"),
         Error::Missing => FileError::new(path, "something is missing"),
-        other => FileError::new(path, format!("the file is malformed: {other}")),
+        other @ (Error::Invalid | Error::Oversize) => FileError::new(path, format!("the file is malformed: {other}")),
     })
 }
 
+/// Bytes from beside the file, or from an address in it.
+type Outer = Box<dyn AsRef<[u8]>>;
+
 /// The bytes of buffers that do not lie in the binary chunk.
-fn outer_buffers(root: &json::Root, beside: &mut Beside<'_>) -> Result<Vec<Option<Box<dyn AsRef<[u8]>>>>, FileError> {
-    let mut all: Vec<Option<Box<dyn AsRef<[u8]>>>> = Vec::new();
+fn outer_buffers(root: &json::Root, beside: &mut Beside<'_>) -> Result<Vec<Option<Outer>>, FileError> {
+    let mut all: Vec<Option<Outer>> = Vec::new();
     for (at, buffer) in root.buffers.iter().enumerate() {
         let place = || format!("buffer {at}");
         all.push(match buffer.uri.as_deref() {

@@ -16,6 +16,7 @@ fn square() -> (Value, Vec<u8>) {
     put(&[0.0, 0.0, 1.0].repeat(4));
     put(&[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
     bytes.extend([0_u16, 1, 2, 0, 2, 3].iter().flat_map(|x| x.to_le_bytes()));
+    let half = std::f32::consts::FRAC_1_SQRT_2;
     let view = |from: usize, size: usize| json!({"buffer": 0, "byteOffset": from, "byteLength": size});
     let document = json!({
         "asset": {"version": "2.0"},
@@ -33,7 +34,7 @@ fn square() -> (Value, Vec<u8>) {
             {"attributes": {"POSITION": 0, "NORMAL": 1, "TEXCOORD_0": 2}, "indices": 3, "material": 0}]}],
         "nodes": [
             {"name": "stand", "translation": [10, 0, 0], "children": [1, 2]},
-            {"name": "turned", "mesh": 0, "rotation": [0, 0, 0.707_106_8, 0.707_106_8], "scale": [2, 1, 1]},
+            {"name": "turned", "mesh": 0, "rotation": [0, 0, half, half], "scale": [2, 1, 1]},
             {"mesh": 0, "matrix": [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 5, 0, 1]},
         ],
         "scenes": [{"nodes": [0]}],
@@ -165,8 +166,11 @@ fn what_our_own_writer_writes_is_read_back() {
     let (camera, _) = scene.cameras.iter().next().expect("a camera");
     let mut sink = MemorySink::default();
     let target = crate::formats::find("gltf").expect("a target");
-    (target.emit)(&crate::formats::Emission { scene: &scene, camera, meshes: "meshes/" }, &mut sink)
-        .expect("memory takes all");
+    (target.emit)(
+        &crate::formats::Emission { scene: &scene, camera, meshes: "meshes/", textures: "textures/" },
+        &mut sink,
+    )
+    .expect("memory takes all");
     let text = sink.files.iter().find(|(name, _)| name.ends_with(".gltf")).expect("a file").1.clone();
     let mut beside = |path: &str| Ok(Box::new(sink.files[path].clone()) as Box<dyn AsRef<[u8]>>);
     let (model, _) = read_parts("gltf", &text, &mut beside).expect("a good file");
@@ -181,10 +185,8 @@ fn what_our_own_writer_writes_is_read_back() {
             assert!(near(place(a, &part.transform).map(|x| x / 100.0), place(b, &shape.transform).map(|x| x / 100.0)));
         }
         let Surface { scatter, emission, .. } = &model.surfaces[part.surface.expect("a material")];
-        match &scene.materials[shape.material].bsdf {
-            crate::ir::Bsdf::Diffuse { .. } => assert!(matches!(scatter, Scatter::Diffuse(_))),
-            other => panic!("{other:?}"),
-        }
+        assert!(matches!(scene.materials[shape.material].bsdf, crate::ir::Bsdf::Diffuse { .. }));
+        assert!(matches!(scatter, Scatter::Diffuse(_)), "{scatter:?}");
         assert_eq!(emission.is_some(), shape.emission.is_some());
     }
 }
@@ -229,7 +231,7 @@ fn faults_are_found() {
     words(&|d| d["nodes"][0]["scale"] = json!([0, 0, 0]), "no triangles");
     words(&|d| d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]), "requires an extension");
     words(&|d| d["scenes"][0]["nodes"] = json!([]), "no triangles");
-    let index = changed(|d| d["bufferViews"][3]["byteOffset"] = json!(0));
+    let index = changed(|d| d["bufferViews"][3]["byteOffset"] = json!(8));
     assert!(fault(&index).contains("uses vertex"), "{}", fault(&index));
 }
 

@@ -1,0 +1,171 @@
+//! `ltsc lint --fix` and `--diff`: rounds of fixes over the files asked for, until none is left.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::PathBuf;
+
+use ltsc_core::diag::{Edit, FileId, Finding, Fix, Severity, Sources};
+use ltsc_core::eval::Overrides;
+use ltsc_core::files::VPath;
+use ltsc_core::fix::apply;
+use ltsc_core::formats::Target;
+use similar::TextDiff;
+
+use crate::args;
+use crate::disk::{Changed, write_atomically};
+use crate::output::{Exit, Failure};
+use crate::project::Project;
+
+use super::shared::{CheckedFile, check_changed, disk_of};
+
+/// More rounds than any text needs: each fix takes its finding away.
+const ROUNDS: usize = 1000;
+
+/// What fixes made of files.
+pub struct Fixed {
+    /// The files as they are then.
+    pub checked: Vec<CheckedFile>,
+    /// Those that changed: their paths, and the texts before and after.
+    pub changed: Vec<(VPath, String, String)>,
+    /// How many fixes were made.
+    pub fixes: usize,
+    /// How many were left out, since an error would follow from them.
+    pub refused: usize,
+}
+
+/// Fixes files of a project in memory. Files that were not asked for stay as they are.
+pub fn fixed(
+    project: &Project,
+    files: &[PathBuf],
+    findings: &args::Findings,
+    targets: &[&'static Target],
+) -> Result<Fixed, Failure> {
+    let disk = disk_of(project, findings)?;
+    let check = |texts: &BTreeMap<VPath, String>| {
+        check_changed(project, files, findings, Overrides::default(), targets, &Changed { disk: &disk, texts })
+    };
+    let mut texts: BTreeMap<VPath, String> = BTreeMap::new();
+    let mut originals: BTreeMap<VPath, String> = BTreeMap::new();
+    let mut checked = check(&texts)?;
+    let mut refused: BTreeSet<(String, Vec<Edit>)> = BTreeSet::new();
+    let mut fixes = 0;
+    // All at once, and one by one from where that would lead to an error.
+    let mut careful = false;
+    for _ in 0..ROUNDS {
+        let mut asked = fixes_of(&checked, &refused);
+        if careful {
+            asked.truncate(1);
+        }
+        if asked.is_empty() {
+            break;
+        }
+        let (next, count) = applied(&checked, &texts, &asked);
+        let after = check(&next)?;
+        if errors(&after) > errors(&checked) {
+            if careful || asked.len() == 1 {
+                refused.extend(asked.into_iter().map(|(path, fix)| (path, fix.edits)));
+            }
+            careful = true;
+            continue;
+        }
+        for path in next.keys().filter(|path| !originals.contains_key(*path)).cloned().collect::<Vec<_>>() {
+            if let Some(text) = text_of(&checked, path.as_str()) {
+                originals.insert(path, text.to_owned());
+            }
+        }
+        fixes += count;
+        (texts, checked) = (next, after);
+    }
+    let changed = texts.into_iter().filter_map(|(path, after)| {
+        let before = originals.remove(&path)?;
+        (before != after).then_some((path, before, after))
+    });
+    Ok(Fixed { changed: changed.collect(), checked, fixes, refused: refused.len() })
+}
+
+/// The fixes within the files asked for, each once, with the file's path. Their edits all have the first file's number: one file
+/// has others where other scenes use it.
+fn fixes_of(checked: &[CheckedFile], refused: &BTreeSet<(String, Vec<Edit>)>) -> Vec<(String, Fix)> {
+    let asked: BTreeSet<&str> = checked.iter().map(|file| file.path.as_str()).collect();
+    let (_, number) = scratch();
+    let mut found = Vec::new();
+    let mut seen = refused.clone();
+    for file in checked {
+        for fix in file.checked.findings.iter().filter_map(|finding| finding.fix.as_ref()) {
+            let Some(first) = fix.edits.first().map(|edit| edit.span.file) else { continue };
+            let path = &file.sources.get(first).path;
+            if !asked.contains(path.as_str()) || fix.edits.iter().any(|edit| edit.span.file != first) {
+                continue;
+            }
+            let mut fix = fix.clone();
+            fix.edits.iter_mut().for_each(|edit| edit.span.file = number);
+            if seen.insert((path.clone(), fix.edits.clone())) {
+                found.push((path.clone(), fix));
+            }
+        }
+    }
+    found
+}
+
+/// A file's number that stands for every file.
+fn scratch() -> (Sources, FileId) {
+    let mut sources = Sources::default();
+    let number = sources.add("", "");
+    (sources, number)
+}
+
+/// The text of the file at `path` as it was checked.
+fn text_of<'c>(checked: &'c [CheckedFile], path: &str) -> Option<&'c str> {
+    checked.iter().flat_map(|file| file.sources.iter()).find(|file| file.path == path).map(|file| &*file.text)
+}
+
+/// The texts with fixes, and how many were made.
+fn applied(
+    checked: &[CheckedFile],
+    texts: &BTreeMap<VPath, String>,
+    fixes: &[(String, Fix)],
+) -> (BTreeMap<VPath, String>, usize) {
+    let (_, number) = scratch();
+    let mut next = texts.clone();
+    let mut count = 0;
+    for file in checked {
+        let path = file.path.as_str();
+        let own = fixes.iter().filter(|(of, _)| of == path).map(|(_, fix)| fix);
+        let Some(text) = text_of(checked, path) else { continue };
+        let done = apply(text, number, own);
+        if done.fixes > 0 {
+            next.insert(file.path.clone(), done.text);
+            count += done.fixes;
+        }
+    }
+    (next, count)
+}
+
+fn errors(checked: &[CheckedFile]) -> usize {
+    let of = |finding: &&Finding| finding.severity == Severity::Error;
+    checked.iter().flat_map(|file| &file.checked.findings).filter(of).count()
+}
+
+/// Writes the files that changed.
+pub fn write(project: &Project, findings: &args::Findings, fixed: &Fixed) -> Result<(), Failure> {
+    let disk = disk_of(project, findings)?;
+    for (path, before, after) in &fixed.changed {
+        let failed =
+            |error: std::io::Error| Failure::new(Exit::Environment, format!("{path} cannot be written: {error}"));
+        let real = disk.real(path).map_err(failed)?;
+        if std::fs::read(&real).map_err(failed)? != before.as_bytes() {
+            return Err(Failure::new(Exit::Environment, format!("{path} changed while it was fixed"))
+                .help("run the command again"));
+        }
+        write_atomically(&real, &mut |out| out.write_all(after.as_bytes())).map_err(failed)?;
+    }
+    Ok(())
+}
+
+/// What would change, as a unified diff.
+pub fn difference(fixed: &Fixed) -> String {
+    let one = |(path, before, after): &(VPath, String, String)| {
+        let header = (path.to_string(), format!("{path}, fixed"));
+        TextDiff::from_lines(before, after).unified_diff().context_radius(3).header(&header.0, &header.1).to_string()
+    };
+    fixed.changed.iter().map(one).collect()
+}

@@ -1,0 +1,64 @@
+//! Textures.
+
+use crate::image::{self, ImageError};
+use crate::ir::{Encoding, ImageFile, Texture};
+
+use super::super::value::{Ty, Value};
+use super::meshes::read;
+use super::{Args, Constructor, Family, Parameter, Problem, Site};
+
+pub(super) const ROWS: &[Constructor] = &[Constructor {
+    family: Family::Texture,
+    name: "bitmap",
+    summary: "An image laid over a surface by its texture coordinates; it repeats beyond 0..1, and `v` grows upwards in it.",
+    params: &[
+        Parameter {
+            name: "path",
+            ty: Ty::String,
+            default: None,
+            doc: "a PNG, JPEG, OpenEXR, PFM or Radiance HDR file, from the folder of this file, with `/`",
+        },
+        Parameter {
+            name: "encoding",
+            ty: Ty::String,
+            default: Some(""),
+            doc: "`\"srgb\"` or `\"linear\"`; left out it is `\"srgb\"` for PNG and JPEG, `\"linear\"` for the formats of floats",
+        },
+    ],
+    positional: 1,
+    example: "texture oak = bitmap(\"textures/oak.png\")\nmaterial table = diffuse(oak)",
+    build: bitmap,
+}];
+
+fn bitmap(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
+    let wanted = match args.get("encoding") {
+        Some(Value::String(word)) => Some(encoding(word)?),
+        _ => None,
+    };
+    let (path, bytes) = read(args, site)?;
+    let image = image::read(&path.extension(), &bytes).map_err(|ImageError { message, place, help }| {
+        Problem::new("path", format!("`{path}` {message}"))
+            .id("invalid-image-file")
+            .label(place)
+            .maybe_help(help.map(str::to_owned))
+    })?;
+    let float = image.format.is_float();
+    if float && wanted == Some(Encoding::Srgb) {
+        return Err(Problem::new("encoding", format!("`{path}` holds floats, which are linear in every renderer"))
+            .id("invalid-texture")
+            .help("leave `encoding` out, or save the image as PNG"));
+    }
+    let encoding = wanted.unwrap_or(if float { Encoding::Linear } else { Encoding::Srgb });
+    let texture = Texture { name: path.stem().to_owned(), file: ImageFile::new(&bytes), image, encoding };
+    Ok(Value::Texture(site.host.texture(texture, site.span)))
+}
+
+fn encoding(word: &str) -> Result<Encoding, Problem> {
+    match word {
+        "srgb" => Ok(Encoding::Srgb),
+        "linear" => Ok(Encoding::Linear),
+        other => Err(Problem::new("encoding", format!("there is no encoding `{other}`"))
+            .id("invalid-texture")
+            .help("write `\"srgb\"` for images as screens show them, `\"linear\"` for numbers that are reflectances")),
+    }
+}

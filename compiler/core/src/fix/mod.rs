@@ -1,0 +1,108 @@
+//! Fixes: what to write where a finding has one right answer, as edits of the text.
+//!
+//! [`propose`] gives findings their fixes, one function of `makers` for each code; [`apply`] writes those that do not get in each
+//! other's way. A fix changes nothing but its own place: the rest of the file stays as it is to the byte.
+
+mod makers;
+mod tree;
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::diag::{Edit, FileId, Finding, Fix, Severity, Sources, Span};
+use crate::syntax::{self, Tree};
+
+/// What the maker of a fix sees.
+struct Place<'a> {
+    /// The finding's place.
+    span: Span,
+    /// The text of its file.
+    text: &'a str,
+    /// The file's statements.
+    tree: &'a Tree,
+}
+
+impl Place<'_> {
+    /// The text of a range.
+    fn text_of(&self, span: Span) -> &str {
+        self.text.get(span.start as usize..span.end as usize).unwrap_or_default()
+    }
+
+    /// The range `start..end` of the file.
+    fn range(&self, start: usize, end: usize) -> Span {
+        Span::new(self.span.file, start, end)
+    }
+}
+
+type Maker = fn(&Place<'_>) -> Option<Fix>;
+
+/// The codes that have fixes, by name.
+const MAKERS: &[(&str, Maker)] = &[
+    ("missing-normals", makers::facet_emitter),
+    ("missing-version", makers::add_version),
+    ("reversed-range", makers::swap_interval),
+    ("rough-too-small", makers::clamp_alpha),
+    ("smooth-emitter", makers::facet_emitter),
+    ("unused-allow", makers::remove_allow),
+    ("unused-name", makers::remove_used_name),
+];
+
+/// The codes of findings that may have a fix.
+pub fn codes() -> impl Iterator<Item = &'static str> {
+    MAKERS.iter().map(|(id, _)| *id)
+}
+
+/// Gives findings in texts their fixes.
+pub fn propose(findings: &mut [Finding], sources: &Sources) {
+    let mut trees: BTreeMap<FileId, Tree> = BTreeMap::new();
+    for finding in findings.iter_mut().filter(|finding| finding.severity > Severity::Allow) {
+        let Some((_, maker)) = MAKERS.iter().find(|(id, _)| *id == finding.id) else { continue };
+        let Some(span) = finding.origin.span() else { continue };
+        let text: &str = &sources.get(span.file).text;
+        let tree = trees.entry(span.file).or_insert_with(|| syntax::parse(span.file, text).0);
+        finding.fix = maker(&Place { span, text, tree });
+    }
+}
+
+/// What became of a text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Applied {
+    /// The text with the edits.
+    pub text: String,
+    /// How many fixes are in it.
+    pub fixes: usize,
+}
+
+/// Writes fixes into the text of `file`, in their order; one that touches what another changes waits for the next round, and one
+/// that reaches into another file is left out. Two that are equal are one.
+pub fn apply<'f>(text: &str, file: FileId, fixes: impl Iterator<Item = &'f Fix>) -> Applied {
+    let mut taken: Vec<&Edit> = Vec::new();
+    let mut count = 0;
+    let mut seen = BTreeSet::new();
+    for fix in fixes {
+        let here = fix.edits.iter().all(|edit| edit.span.file == file && edit.span.end as usize <= text.len());
+        let clear = fix.edits.iter().all(|edit| taken.iter().all(|other| apart(edit.span, other.span)));
+        if !here || fix.edits.is_empty() || !clear || !seen.insert(&fix.edits) {
+            continue;
+        }
+        taken.extend(&fix.edits);
+        count += 1;
+    }
+    taken.sort_by_key(|edit| edit.span);
+    let mut out = String::with_capacity(text.len());
+    let mut at = 0;
+    for edit in taken {
+        out.push_str(text.get(at..edit.span.start as usize).unwrap_or_default());
+        out.push_str(&edit.text);
+        at = edit.span.end as usize;
+    }
+    out.push_str(text.get(at..).unwrap_or_default());
+    Applied { text: out, fixes: count }
+}
+
+/// Whether two ranges neither overlap nor touch: what touches may need a separator that neither has.
+fn apart(a: Span, b: Span) -> bool {
+    a.end < b.start || b.end < a.start
+}
+
+#[cfg(test)]
+mod tests;
