@@ -4,10 +4,11 @@
 use std::collections::BTreeSet;
 use std::fs;
 
+use super::gallery;
 use super::{bless, files_below, ltsc, root, run};
 
 /// Codes that no scene text can lead to today, each with what would.
-const BEYOND_TEXT: &[(&str, &str)] = &[
+pub const BEYOND_TEXT: &[(&str, &str)] = &[
     ("foreign-file", "a file of another format: see `outputs`"),
     ("internal-fault", "a fault of ltsc: see the unit test of `guarded`"),
     ("invalid-camera", "an importer: the constructor refuses first"),
@@ -35,6 +36,7 @@ fn cases_give_the_findings_that_are_expected() {
     let folder = root().join("tests/cases");
     let mut seen = BTreeSet::new();
     let mut expected = BTreeSet::new();
+    let mut all = Vec::new();
     for path in files_below(&folder) {
         if path.ends_with(".snap") {
             expected.insert(path.trim_end_matches(".snap").to_owned());
@@ -54,9 +56,11 @@ fn cases_give_the_findings_that_are_expected() {
         settings.set_snapshot_path(folder.join(folder_of));
         settings.set_prepend_module_to_snapshot(false);
         settings.set_omit_expression(true);
+        all.push((path.clone(), shown.clone()));
         settings.bind(|| insta::assert_snapshot!(stem.to_owned(), shown));
         seen.insert(name);
     }
+    gallery::check(&all);
     let strays: Vec<&String> = expected.difference(&seen).collect();
     assert!(strays.is_empty(), "expectations without a case: {strays:?}");
     assert!(seen.len() >= 20, "only {} cases were found", seen.len());

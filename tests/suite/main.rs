@@ -4,6 +4,7 @@ mod cases;
 mod cli;
 mod fixes;
 mod format;
+mod gallery;
 mod geometry;
 mod gltf;
 mod golden;
@@ -11,6 +12,7 @@ mod outputs;
 mod page_cases;
 mod pre_commit;
 mod render;
+mod similar;
 mod thesis;
 mod tidy;
 

@@ -23,6 +23,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("valid", &["ir", "mesh", "diag"]),
     ("lower", &["ir", "mesh", "diag"]),
     ("survey", &["ir", "diag"]),
+    ("similar", &["ir"]),
     ("lint", &["ir", "mesh", "survey", "diag"]),
     ("capability", &["ir", "mesh", "diag"]),
     ("formats", &["ir", "mesh", "valid", "capability", "diag", "files"]),

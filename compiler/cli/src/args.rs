@@ -74,6 +74,17 @@ pub enum Command {
         after_help = "Examples:\n  ltsc fmt\n  ltsc fmt scenes-src/ring.lts\n  ltsc fmt --check          (exit 1 where something would change)\n  ltsc fmt - < draft.lts > ring.lts"
     )]
     Fmt(Fmt),
+    /// Say which scenes of the project are near a scene, and what follows from it.
+    ///
+    /// Near are scenes that test the same classes of light paths (half of the score), have the same materials (a quarter), and whose
+    /// briefs share words (a quarter). From 0.5 on, or where the briefs alone reach 0.6, a scene should say in `similar` why it
+    /// stands beside the other; from 0.9 on one of them may be enough. The bounds are those that tell the pairs of the eleven scenes of
+    /// the lteval suite that name each other from those that do not (of 11 pairs they find 10, and no other). FILE may be a draft
+    /// anywhere below the project's root.
+    #[command(
+        after_help = "Examples:\n  ltsc similar scenes-src/cboxm_diffuse_lvar.lts\n  ltsc similar draft.lts --all\n  ltsc similar draft.lts --format json"
+    )]
+    Similar(Similar),
     /// Write a scene for one target, as one self-contained folder.
     ///
     /// Without SCENE every scene of the project, as `build` does, for this target only.
@@ -221,6 +232,17 @@ pub struct Fmt {
     pub diff: bool,
     #[command(flatten)]
     pub limits: Limits,
+}
+
+#[derive(Args, Debug)]
+pub struct Similar {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// Show the scenes that are not near, too.
+    #[arg(long)]
+    pub all: bool,
+    #[command(flatten)]
+    pub findings: Findings,
 }
 
 #[derive(Args, Debug)]

@@ -3,7 +3,7 @@
 //! Reading order: [`diag`] and [`files`] (what everything speaks), [`ir`] (the Scene in the middle), [`syntax`] (text to
 //! tree), [`format`] (text to its canonical form), [`eval`] (tree to Scene), [`mesh`] (generators, mesh files), [`npy`] (arrays of numbers),
 //! [`image`] (headers of image files), [`valid`] (what every emitter may rely on),
-//! [`survey`] (what lies where), [`lint`] (portability), [`fix`] (findings to edits), [`lower`] (Scene to Scene), [`capability`] (what a target can say), [`formats`] (targets and
+//! [`survey`] (what lies where), [`lint`] (portability), [`fix`] (findings to edits), [`similar`] (how near scenes are), [`lower`] (Scene to Scene), [`capability`] (what a target can say), [`formats`] (targets and
 //! importers), [`pipeline`], the only file that knows all stages, and [`manual`], the pages made from the tables of them all.
 #![deny(clippy::wildcard_enum_match_arm)]
 
@@ -22,6 +22,7 @@ pub mod manual;
 pub mod mesh;
 pub mod npy;
 pub mod pipeline;
+pub mod similar;
 pub mod survey;
 pub mod syntax;
 pub mod valid;

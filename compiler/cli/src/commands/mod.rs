@@ -12,6 +12,7 @@ mod manual;
 mod render;
 mod renderers;
 mod shared;
+mod similar;
 
 use crate::args::{Arguments, Command, Format, RenderersAction};
 use crate::output::Exit;
@@ -25,6 +26,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Build(command) => build::run(&command),
         Command::Lint(command) => lint::run(&command),
         Command::Fmt(command) => fmt::run(&command),
+        Command::Similar(command) => similar::run(&command),
         Command::Emit(command) => emit::run(&command),
         Command::Render(command) => render::run(&command),
         Command::Diff(command) => diff::run(&command),
@@ -46,6 +48,7 @@ fn format_of(command: &Command) -> Format {
     match command {
         Command::Build(command) => command.findings.format,
         Command::Lint(command) => command.findings.format,
+        Command::Similar(command) => command.findings.format,
         Command::Emit(command) => command.findings.format,
         Command::Render(command) => command.findings.format,
         Command::Diff(command) => command.format,

@@ -215,11 +215,11 @@ impl Finding {
 /// The name among `known` that is nearest to `name`, if one is near enough to be meant.
 ///
 /// Near means a Damerau-Levenshtein distance (neighbouring letters swapped count one) of at most a third of the length,
-/// at least 1; ties go to the first.
+/// at least 1 (a name of one letter has no typing error, only another case); ties go to the first.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    let limit = (name.chars().count() / 3).max(1);
-    let mut best: Option<(usize, &'a str)> = None;
     let length = name.chars().count();
+    let limit = if length < 2 { 0 } else { (length / 3).max(1) };
+    let mut best: Option<(usize, &'a str)> = None;
     for candidate in known {
         // The distance is at least the difference of the lengths: most candidates need no closer look.
         if candidate.chars().count().abs_diff(length) > limit {
@@ -264,6 +264,7 @@ mod tests {
         assert_eq!(nearest("Mirror", known), Some("mirror"));
         assert_eq!(nearest("plastic", known), None);
         assert_eq!(nearest("", known), None);
+        assert_eq!((nearest("a", ["X", "A"]), nearest("q", ["X", "A"])), (Some("A"), None));
     }
 
     #[test]

@@ -51,10 +51,28 @@ impl Interpreter<'_> {
             (Kind::Integrator, integrator.is_none(), "integrator = path(max_depth: 10)"),
             (Kind::Sampler, sampler.is_none(), "sampler = independent(samples: 32)"),
         ];
-        for (kind, _, example) in missing.iter().filter(|(kind, missing, _)| *missing && !broken.contains(kind)) {
+        // A setting whose statement could not be read is not missing.
+        let unread = |word: &str| {
+            let text = &self.sources.get(name.span.file).text;
+            self.findings.iter().any(|found| found.id == "syntax-error")
+                && text.lines().any(|line| line.trim_start().starts_with(word))
+        };
+        let lacking: Vec<(&str, &str)> = missing
+            .iter()
+            .filter(|(kind, missing, _)| *missing && !broken.contains(kind) && !unread(kind.word()))
+            .map(|(kind, _, example)| (kind.word(), *example))
+            .collect();
+        if let Some(((last, _), more)) = lacking.split_last() {
+            let more: Vec<&str> = more.iter().map(|(word, _)| *word).collect();
+            let more = if more.is_empty() { String::new() } else { format!("{} and no ", more.join(", no ")) };
+            let lines: String = lacking.iter().map(|(_, example)| format!("\n        {example}")).collect();
+            let help = if lacking.len() == 1 {
+                format!("write for example `{}`", lacking[0].1)
+            } else {
+                format!("write for example:{lines}")
+            };
             self.findings.push(
-                Finding::error("missing-setting", name.span, format!("the scene has no {}", kind.word()))
-                    .help(format!("write for example `{example}`")),
+                Finding::error("missing-setting", name.span, format!("the scene has no {more}{last}")).help(help),
             );
         }
         let (Some((film, _)), Some((integrator, _)), Some((sampler, _))) = (film, integrator, sampler) else {

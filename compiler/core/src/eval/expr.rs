@@ -12,6 +12,7 @@ use crate::syntax::{Call, Expr, ExprKind};
 use super::function::Function;
 use super::module::Scope;
 use super::ops;
+use super::synonyms;
 use super::table::{self, Args, Constructor, Family, Site};
 use super::value::{MeshValue, Refusal, Ty, Value};
 use super::{Interpreter, Limit, Reported};
@@ -289,8 +290,11 @@ impl Interpreter<'_> {
     pub(super) fn unknown_call(&mut self, scope: &Scope, name: &str, span: Span, wanted: Option<Family>) {
         let fits = table::table().filter(|row| wanted.is_none_or(|family| row.family == family));
         let known: Vec<&str> = fits.map(|row| row.name).collect();
+        let functions = || scope.functions();
         let all = || table::table().map(|row| row.name).chain(scope.names());
-        let similar = nearest(name, known.iter().copied()).or_else(|| nearest(name, all()));
+        let similar = synonyms::constructor(name, wanted)
+            .or_else(|| nearest(name, functions().chain(known.iter().copied())))
+            .or_else(|| nearest(name, all()));
         let what = wanted.map_or("a constructor or function", Family::words);
         let mut finding = Finding::error("unknown-constructor", span, format!("there is no `{name}`"))
             .label(format!("expected {what}"));
@@ -304,6 +308,12 @@ impl Interpreter<'_> {
         }
         let finding = finding.maybe_help(similar.map(|name| format!("did you mean `{name}`?")));
         self.findings.push(finding);
+    }
+
+    /// The text of a place, if it is short enough to be repeated in a help.
+    fn excerpt(&self, span: Span) -> Option<&str> {
+        let text = self.sources.get(span.file).text.get(span.start as usize..span.end as usize)?;
+        (text.len() <= 40 && !text.contains('\n')).then_some(text)
     }
 
     fn arguments_only(&mut self, scope: &mut Scope, call: &Call) {
@@ -350,6 +360,8 @@ impl Interpreter<'_> {
         let unlabelled = call.piped.iter().map(|value| (None, value));
         let labelled = call.args.iter().map(|arg| (arg.label.as_ref(), &arg.value));
         let mut seen_label = false;
+        // Parameters that misspelt labels stand for: they are not missing.
+        let mut meant: Vec<&str> = Vec::new();
         for (label, value) in unlabelled.chain(labelled) {
             let at = match label {
                 Some(label) => {
@@ -362,13 +374,23 @@ impl Interpreter<'_> {
                 }
             };
             let (Some(at), Some(param)) = (at, at.and_then(|at| row.params.get(at))) else {
-                self.unknown_argument(row, label.map(|label| (label.text.as_str(), label.span)), value.span);
+                meant.extend(self.unknown_argument(row, label.map(|label| (&*label.text, label.span)), value.span));
                 let _reported = self.eval(scope, value, None);
                 good = false;
                 continue;
             };
             if label.is_none() && (seen_label || at >= row.positional + piped) {
-                let help = format!("write `{}: ...`", param.name);
+                let written = self.excerpt(value.span).unwrap_or("...").to_owned();
+                let free: Vec<&str> = row.params.iter().skip(at).map(|other| other.name).take(3).collect();
+                let help = if free.len() > 1 && row.positional == 0 && param.default == Some("") {
+                    format!(
+                        "write its label, for example `{}: {written}` (others are {})",
+                        param.name,
+                        free[1..].join(", ")
+                    )
+                } else {
+                    format!("write `{}: {written}`", param.name)
+                };
                 let finding = if seen_label {
                     Finding::error(
                         "unknown-argument",
@@ -399,11 +421,24 @@ impl Interpreter<'_> {
             given[at] = Some(value.span);
             match self.typed(scope, value, param.ty, param.name, wanted) {
                 Ok(value) => values[at] = Some(value),
-                Err(Reported) => good = false,
+                Err(Reported) => {
+                    good = false;
+                    let vector = row.params.iter().find(|other| other.ty == Ty::Vec3);
+                    if let (None, Ty::Number, Some(vector), ExprKind::Row(_)) = (label, param.ty, vector, &value.kind) {
+                        let written = self.excerpt(value.span).unwrap_or("...").to_owned();
+                        let help = format!(
+                            "write `{}({}: {written})`, or the numbers without brackets",
+                            row.name, vector.name
+                        );
+                        if let Some(finding) = self.findings.last_mut() {
+                            finding.help = Some(help);
+                        }
+                    }
+                }
             }
         }
         for (at, param) in row.params.iter().enumerate() {
-            if given[at].is_none() && param.default.is_none() {
+            if given[at].is_none() && param.default.is_none() && !meant.contains(&param.name) {
                 let message = format!("`{}` needs `{}`", row.name, param.name);
                 self.findings.push(
                     Finding::error("missing-argument", call.name.span, message)
@@ -416,19 +451,27 @@ impl Interpreter<'_> {
         if good { Ok(Args { params: row.params, values }) } else { Err(Reported) }
     }
 
-    fn unknown_argument(&mut self, row: &Constructor, label: Option<(&str, Span)>, value: Span) {
+    /// Reports it, and gives the parameters that may be meant.
+    fn unknown_argument(
+        &mut self,
+        row: &'static Constructor,
+        label: Option<(&str, Span)>,
+        value: Span,
+    ) -> Vec<&'static str> {
         let params = row.params.iter().skip(usize::from(row.family == Family::Stage));
+        let mut meant = Vec::new();
         let finding = match label {
             Some((label, span)) => {
-                let similar = nearest(label, params.map(|param| param.name));
+                meant = synonyms::meant(label, params.map(|param| param.name));
                 Finding::error("unknown-argument", span, format!("`{}` has no argument `{label}`", row.name))
                     .label("unknown argument")
-                    .maybe_help(similar.map(|name| format!("did you mean `{name}`?")))
+                    .maybe_help(synonyms::question(&meant))
             }
             None => Finding::error("unknown-argument", value, format!("`{}` takes fewer arguments", row.name))
                 .label("one too many"),
         };
         self.findings.push(finding.note(format!("it is `{}`", row.signature())));
+        meant
     }
 
     /// The value of `expr` as the type of the parameter `name`.
@@ -450,6 +493,7 @@ impl Interpreter<'_> {
         let value = self.eval(scope, expr, family)?;
         let kind = value.kind();
         let light = matches!(value, Value::Light(_));
+        let found = value.clone();
         let refusal = match ty.accept(value) {
             Ok(value) => return Ok(value),
             Err(refusal) => refusal,
@@ -465,14 +509,14 @@ impl Interpreter<'_> {
             )
             .label(kind)
             .help("give the light the position or direction that it is to have, or put a point light into a group"),
-            Refusal::Type => mismatch,
+            Refusal::Type => mismatch.maybe_help(type_help(ty, &found)),
             Refusal::Unit(n) => Finding::error(
                 "missing-unit",
                 expr.span,
                 format!("`{name}` takes an angle, and this number has no unit"),
             )
             .label("no unit")
-            .help(format!("write `{n}deg` or `{n}rad`")),
+            .help(unit_help(n)),
             Refusal::Whole(n) => Finding::error(
                 "type-mismatch",
                 expr.span,
@@ -487,13 +531,44 @@ impl Interpreter<'_> {
                 let what = if lo == hi { "is empty" } else { "runs backwards" };
                 Finding::error("reversed-range", expr.span, format!("the interval `{lo}..{hi}` {what}")).help(help)
             }
-            Refusal::ColorFromVector => mismatch.help("write `rgb(r, g, b)` for linear values, or `srgb(\"#rrggbb\")`"),
+            Refusal::ColorFromVector => {
+                let row = self.excerpt(expr.span).filter(|text| text.starts_with('(')).unwrap_or("(r, g, b)");
+                mismatch.help(format!("write `rgb{row}` for linear values, or `srgb(\"#rrggbb\")`"))
+            }
             Refusal::Signature => mismatch
                 .label("a function with other parameters")
                 .help(format!("declare it as `let {name}(x: number, y: number) = ...`")),
             Refusal::Element(at) => mismatch.note(format!("element {at} is of another type")),
         })
     }
+}
+
+/// How to write a number without unit as an angle. Few turn by more than a whole turn in radians.
+pub(super) fn unit_help(n: f64) -> String {
+    if n.abs() > std::f64::consts::TAU { format!("write `{n}deg`") } else { format!("write `{n}deg` or `{n}rad`") }
+}
+
+/// What to write where `found` is of another type than `ty`.
+fn type_help(ty: Ty, found: &Value) -> Option<String> {
+    let text = match (ty, found) {
+        (Ty::Axis, _) => "write `X`, `-X`, `Y`, `-Y`, `Z` or `-Z`",
+        (Ty::Extent | Ty::Range, Value::Vector(parts)) if parts.len() == 2 => {
+            return Some(format!("a range is written `{}..{}`", parts[0], parts[1]));
+        }
+        (Ty::Range, Value::Number(_)) => "a range is written `a..b`; both ends belong to it",
+        (Ty::Number | Ty::Whole, Value::Angle(_)) => "write the number without its unit",
+        (Ty::Number, Value::Vector(_)) => "give its parts one by one, or use a parameter that takes a vector",
+        (Ty::Vec3 | Ty::NumberOrVec3, Value::List(_)) => "vectors stand in round brackets: `(x, y, z)`",
+        (Ty::Vec3, Value::Vector(_)) => "write three numbers: `(x, y, z)`",
+        (Ty::Color, Value::String(_)) => "write `srgb(\"#rrggbb\")`",
+        (Ty::Mesh, Value::Group(_)) => "a group is placed by `instance name = ...`",
+        (Ty::Mesh | Ty::Placeable | Ty::Material, Value::Function(_)) => {
+            "call it: write `(...)` with its arguments behind it"
+        }
+        (Ty::Filter, Value::String(_)) => "write for example `gaussian()`",
+        _ => return None,
+    };
+    Some(text.to_owned())
 }
 
 impl table::Host for Interpreter<'_> {

@@ -2,14 +2,14 @@
 
 use std::rc::Rc;
 
-use crate::diag::{Finding, Severity, Span};
+use crate::diag::{Finding, Label, Severity, Span};
 use crate::files::VPath;
 use crate::syntax::{self, Clause, Expr, Name, Statement, StatementKind, Type};
 
 use super::function::Typed;
 use super::module::{Module, Scope};
 use super::value::Value;
-use super::{Interpreter, Limit, Reported, SceneParameter};
+use super::{Interpreter, Limit, Reported, SceneParameter, TRAIL};
 
 /// Names of the iterations of the loops around a place: values of range variables, indices of list elements.
 pub(super) type Path = Vec<String>;
@@ -64,13 +64,8 @@ impl Interpreter<'_> {
             let done = self.each(scope, rest, path, body);
             let broken = done.is_err() || self.findings[before..].iter().any(|found| found.severity == Severity::Error);
             if broken {
-                let names: Vec<&str> = clause.names.iter().map(|name| name.text.as_str()).collect();
                 let place = path.last().cloned().unwrap_or_default();
-                let what = if first.is_some() { "" } else { "element " };
-                let note = format!("in the iteration `{}` = {what}{place}", names.join(", "));
-                for finding in self.findings[before..].iter_mut().filter(|found| found.severity == Severity::Error) {
-                    finding.notes.push(note.clone());
-                }
+                self.iteration(before, clause, first.is_some(), &place);
             }
             path.pop();
             scope.release(mark);
@@ -79,6 +74,23 @@ impl Interpreter<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Says in which iteration of `clause` the errors since `before` arose, from the innermost loop outward.
+    fn iteration(&mut self, before: usize, clause: &Clause, numbers: bool, place: &str) {
+        let names: Vec<&str> = clause.names.iter().map(|name| name.text.as_str()).collect();
+        let span = clause.names.iter().map(|name| name.span).reduce(Span::to).unwrap_or(clause.over.span);
+        let names = if clause.tuple { format!("({})", names.join(", ")) } else { names.join(", ") };
+        let text = if numbers {
+            format!("in iteration {names} = {place}")
+        } else {
+            format!("in iteration {names} = element {place}")
+        };
+        for finding in self.findings[before..].iter_mut().filter(|found| found.severity == Severity::Error) {
+            if finding.labels.len() < TRAIL {
+                finding.labels.push(Label { span, text: text.clone() });
+            }
+        }
     }
 
     /// The parts of an element that a clause names.

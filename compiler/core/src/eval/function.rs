@@ -13,7 +13,7 @@ use super::module::{Module, Scope};
 use super::numeric::Program;
 use super::table::{self, Family};
 use super::value::{GroupValue, MaterialValue, Ty, Value};
-use super::{Interpreter, Reported};
+use super::{Interpreter, Reported, TRAIL};
 
 /// How deep calls of functions may nest.
 const CALL_DEPTH: usize = 128;
@@ -165,7 +165,7 @@ impl Interpreter<'_> {
             (Element::Table(Ty::Angle), Some(n)) if ty.lists == 0 => self.report(
                 Finding::error("missing-unit", span, format!("`{name}` takes an angle, and this number has no unit"))
                     .label("no unit")
-                    .help(format!("write `{n}deg` or `{n}rad`")),
+                    .help(super::expr::unit_help(n)),
             ),
             _ => self.report(
                 Finding::error("type-mismatch", span, format!("`{name}` takes {}, not {kind}", ty.words())).label(kind),
@@ -422,7 +422,7 @@ impl Interpreter<'_> {
             (_, value) => Ok(value),
         });
         for finding in self.findings[before..].iter_mut().filter(|finding| finding.severity == Severity::Error) {
-            if finding.labels.len() < 4 {
+            if finding.labels.len() < TRAIL {
                 let text = format!("in this call of `{}`", function.name);
                 finding.labels.push(crate::diag::Label { span: call, text });
             }
@@ -480,7 +480,16 @@ impl Interpreter<'_> {
             }
             let param = &function.params[at];
             let made = self.eval(scope, value, param.ty.family());
-            match made.and_then(|found| self.accept(&param.ty, found, value.span, &param.name.text)) {
+            let accepted = made.and_then(|found| {
+                self.accept(&param.ty, found, value.span, &param.name.text).inspect_err(|Reported| {
+                    let labels = self.findings.last_mut().map(|finding| &mut finding.labels);
+                    if let Some(labels) = labels.filter(|labels| labels.is_empty()) {
+                        let text = format!("the parameter is declared here: {}", param.ty.words());
+                        labels.push(crate::diag::Label { span: param.name.span, text });
+                    }
+                })
+            });
+            match accepted {
                 Ok(found) => given[at] = Some((found, value.span)),
                 Err(Reported) => good = false,
             }

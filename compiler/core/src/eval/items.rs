@@ -222,6 +222,7 @@ impl Interpreter<'_> {
             (Kind::Emitter, Value::Emission(emission)) => Ok((None, Some(emission))),
             (Kind::Shape, Value::Emission(_)) => self.report(
                 Finding::error("type-mismatch", with.span, "a shape takes a material, not an emission")
+                    .label("an emission")
                     .help("write `emitter name = ...`"),
             ),
             (_, found) => {

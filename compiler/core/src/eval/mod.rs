@@ -1,7 +1,7 @@
 //! Tree to Scene: names, types, units, constructors. Every error is a finding; evaluation goes on behind it.
 //!
 //! Reading order: `value`, `ops`, [`table`] (constructors), `expr` (expressions and calls), `function`, `numeric` (functions of numbers, translated), `module` (statements
-//! and `use`), `items` (shapes, instances, settings), `flow` (loops, conditions, parameters), `unused` (names), `assemble` (the Scene).
+//! and `use`), `items` (shapes, instances, settings), `flow` (loops, conditions, parameters), `synonyms` (words of other renderers), `unused` (names), `assemble` (the Scene).
 
 #![expect(clippy::wildcard_enum_match_arm, reason = "a value of any other type is the same mistake, and is reported")]
 
@@ -14,6 +14,7 @@ mod limits;
 mod module;
 mod numeric;
 mod ops;
+mod synonyms;
 mod table;
 mod unused;
 mod value;
@@ -132,6 +133,9 @@ pub fn header(files: &dyn Files, path: &VPath, limits: Limits) -> Option<(String
     let tree = crate::syntax::header(file, text)?;
     Interpreter::new(files, &mut sources, &[], limits).header_alone(&tree)
 }
+
+/// How many steps of the way that led to an error are shown: calls, iterations, uses of files.
+const TRAIL: usize = 8;
 
 /// What has been reported and has no value.
 struct Reported;

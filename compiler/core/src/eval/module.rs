@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::rc::Rc;
 use std::sync::Arc;
 
-use crate::diag::{FileId, Finding, Span, nearest};
+use crate::diag::{FileId, Finding, Label, Severity, Span, nearest};
 use crate::files::{PathError, ReadError, VPath};
 use crate::ir::{Documentation, Film, Handle, Integrator, Sampler, Texture};
 use crate::syntax::{self, Cut, Expr, ExprKind, Kind, Name, Statement, StatementKind, Tree};
@@ -79,6 +79,13 @@ impl Scope {
 
     pub(super) fn names(&self) -> impl Iterator<Item = &str> + Clone {
         self.names.keys().map(String::as_str).chain(self.inner.iter().map(|(name, _, _)| name.as_str()))
+    }
+
+    /// The names that can be called.
+    pub(super) fn functions(&self) -> impl Iterator<Item = &str> + Clone {
+        let outer = self.names.iter().map(|(name, (value, _))| (name, value));
+        let all = outer.chain(self.inner.iter().map(|(name, value, _)| (name, value)));
+        all.filter(|(_, value)| matches!(value, Value::Function(_))).map(|(name, _)| name.as_str())
     }
 
     /// To be given to [`Scope::release`] when the names declared since go out of sight.
@@ -471,9 +478,13 @@ impl Interpreter<'_> {
                 return None;
             }
         };
+        let before = self.findings.len();
         self.loading.push(resolved.clone());
         let module = self.file(file);
         self.loading.pop();
+        for finding in self.findings[before..].iter_mut().filter(|found| found.severity == Severity::Error) {
+            finding.labels.push(Label { span: path.span, text: "used here".to_owned() });
+        }
         if let Some(header) = &module.header {
             self.findings.push(
                 Finding::error(

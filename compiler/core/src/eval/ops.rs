@@ -59,8 +59,15 @@ pub(super) fn binary(operator: Binary, left: &Value, right: &Value) -> Result<Va
 fn mismatch<T>(operator: Binary, left: &Value, right: &Value) -> Result<T, Wrong> {
     let message = format!("`{}` does not apply to {} and {}", operator.sign(), left.kind(), right.kind());
     match (operator, left, right) {
-        (_, Value::Angle(_), Value::Number(_)) | (_, Value::Number(_), Value::Angle(_)) => {
-            wrong_help(message, "give both sides a unit: `45deg` or `0.5rad`")
+        (_, Value::Angle(_), Value::Number(n)) | (_, Value::Number(n), Value::Angle(_)) => {
+            wrong_help(message, format!("give both sides a unit: {}", super::expr::unit_help(*n)))
+        }
+        (Binary::Add, Value::String(_), Value::String(_)) => {
+            wrong_help(message, "texts are not joined; list them: `for file in [\"a.ply\", \"b.ply\"] { ... }`")
+        }
+        (Binary::Add, Value::List(_), Value::List(_)) => wrong_help(message, "write `concat(a, b)`"),
+        (Binary::Multiply, Value::Mesh(_), _) | (Binary::Add, Value::Mesh(_), _) => {
+            wrong_help(message, "meshes are moved and changed by stages: `... |> scale(2) |> translate(z: 1)`")
         }
         _ => wrong(message),
     }

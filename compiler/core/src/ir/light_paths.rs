@@ -45,6 +45,12 @@ enum Form {
     Repeated(Box<Form>, bool),
 }
 
+/// Lights in the full form.
+const LIGHTS: &[&str] = &["LDD", "LDS", "LSD", "LSS"];
+
+/// Eyes in the full form.
+const EYES: &[&str] = &["SDE", "DDE", "SSE", "DSE"];
+
 /// How deep brackets may lie in each other.
 const DEPTH: usize = 32;
 
@@ -62,9 +68,7 @@ impl LightPaths {
         form.check_ends(true, true)?;
         let words: Vec<&str> = text.split_whitespace().collect();
         let spelled = |word: Option<&&str>, known: &[&str]| word.is_some_and(|word| known.contains(word));
-        let full = words.len() > 1
-            && spelled(words.first(), &["LDD", "LDS", "LSD", "LSS"])
-            && spelled(words.last(), &["SDE", "DDE", "SSE", "DSE"]);
+        let full = words.len() > 1 && spelled(words.first(), LIGHTS) && spelled(words.last(), EYES);
         Ok(Self { form, full })
     }
 
@@ -76,6 +80,34 @@ impl LightPaths {
     /// Whether the class is one of whole paths, from the light to the eye, and not of parts.
     pub fn is_whole(&self) -> bool {
         self.form.begins() && self.form.ends()
+    }
+
+    /// The paths of the class with at most `longest` vertices between light and eye, as their letters `D`, `G`, `S`, the shorter ones
+    /// first. Of a class of parts, the paths that hold one.
+    pub fn paths(&self, longest: usize) -> Vec<String> {
+        let mut found = Vec::new();
+        let mut words = vec![String::new()];
+        for length in 0..=longest {
+            found.extend(words.iter().filter(|word| self.holds(word)).cloned());
+            if length < longest {
+                words = words.iter().flat_map(|word| ['D', 'G', 'S'].map(|letter| format!("{word}{letter}"))).collect();
+            }
+        }
+        found
+    }
+
+    /// Whether the path whose vertices between light and eye are `word` is of the class, or holds a part that is.
+    fn holds(&self, word: &str) -> bool {
+        let matches = |light: &str, eye: &str| {
+            let letters: Vec<char> = format!("{light}{word}{eye}").chars().collect();
+            let starts = if self.form.begins() { 1 } else { (1 << letters.len()) - 1 };
+            let ends = self.form.ends_of(&letters, starts);
+            if self.form.ends() { ends >> letters.len() & 1 == 1 } else { ends != 0 }
+        };
+        if !self.full {
+            return matches("L", "E");
+        }
+        LIGHTS.iter().any(|light| EYES.iter().any(|eye| matches(light, eye)))
     }
 
     /// Whether local sampling finds every path of the class, where lights are of `kind` and the camera is a pinhole.
@@ -104,6 +136,28 @@ impl Form {
             Self::Sequence(parts) => parts.last().is_some_and(Self::ends),
             Self::Either(ways) => ways.iter().all(Self::ends),
             Self::Repeated(..) => false,
+        }
+    }
+
+    /// Where in `letters` what begins at one of `starts` may end; places are bits, the last one behind the last letter.
+    fn ends_of(&self, letters: &[char], starts: u64) -> u64 {
+        match self {
+            Self::Letter(letter, _) => {
+                let at = |place: &usize| starts >> *place & 1 == 1 && letters[*place] == *letter;
+                (0..letters.len()).filter(at).fold(0, |ends, place| ends | 1 << (place + 1))
+            }
+            Self::Sequence(parts) => parts.iter().fold(starts, |places, part| part.ends_of(letters, places)),
+            Self::Either(ways) => ways.iter().fold(0, |ends, way| ends | way.ends_of(letters, starts)),
+            Self::Repeated(part, once) => {
+                let mut reached = if *once { part.ends_of(letters, starts) } else { starts };
+                loop {
+                    let more = reached | part.ends_of(letters, reached);
+                    if more == reached {
+                        return reached;
+                    }
+                    reached = more;
+                }
+            }
         }
     }
 
@@ -310,11 +364,27 @@ mod tests {
         assert!(whole("LDE") && whole("(LD|LS)(DE|SE)") && !whole("SDS") && !whole("LD") && !whole("(LD|S)E"));
     }
 
+    #[test]
+    fn classes_have_their_paths() {
+        let paths = |text: &str, longest: usize| LightPaths::parse(text).expect("a class").paths(longest).join(" ");
+        assert_eq!(paths("LDE", 3), "D");
+        assert_eq!(paths("LE", 3), "");
+        assert_eq!(LightPaths::parse("LE").expect("a class").paths(3), [""]);
+        assert_eq!(paths("LS+DE", 3), "SD SSD");
+        assert_eq!(paths("L(D|G)*E", 2), " D G DD DG GD GG");
+        assert_eq!(paths("L(DS)+E", 4), "DS DSDS");
+        assert_eq!(paths("LDD S D DSE", 3), "SD");
+        assert_eq!(paths("DS", 3), "DS DDS DSD DSG DSS GDS SDS");
+        assert_eq!(paths("LD", 2), "D DD DG DS", "a part that begins at the light");
+        assert_eq!(LightPaths::parse("L(S|D|G)*E").expect("a class").paths(5).len(), 364);
+    }
+
     proptest! {
         #[test]
         fn any_text_is_read(text in "[LEDGS()|*+ x]{0,40}") {
-            if let Err(error) = LightPaths::parse(&text) {
-                prop_assert!(error.at <= text.len() && text.is_char_boundary(error.at));
+            match LightPaths::parse(&text) {
+                Ok(class) => prop_assert!(class.paths(2).iter().all(|path| path.len() <= 2)),
+                Err(error) => prop_assert!(error.at <= text.len() && text.is_char_boundary(error.at)),
             }
         }
     }

@@ -53,6 +53,18 @@ pub enum Bsdf {
 }
 
 impl Bsdf {
+    /// What kind of scattering it is, in words.
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Diffuse { reflectance: _ } => "diffuse",
+            Self::Conductor { eta: _, k: _, alpha } if *alpha == 0.0 => "smooth conductor",
+            Self::Conductor { eta: _, k: _, alpha: _ } => "rough conductor",
+            Self::Dielectric { interior: _, exterior: _, alpha } if *alpha == 0.0 => "smooth dielectric",
+            Self::Dielectric { interior: _, exterior: _, alpha: _ } => "rough dielectric",
+            Self::Mirror { reflectance: _ } => "mirror",
+        }
+    }
+
     /// Whether it is known to scatter no light at all. What a texture holds is not known.
     pub fn is_black(&self) -> bool {
         match self {

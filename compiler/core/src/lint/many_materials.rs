@@ -6,7 +6,6 @@ use super::{Level, Report, Rule, Subject, also};
 use std::collections::BTreeMap;
 
 use crate::diag::Origin;
-use crate::ir::Bsdf;
 
 pub(super) const RULE: Rule = Rule {
     id: "many-materials",
@@ -24,7 +23,7 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
     let scene = subject.scene;
     let mut kinds: BTreeMap<&str, &Origin> = BTreeMap::new();
     for (_, shape) in scene.surfaces().filter(|(_, shape)| shape.material.index() < scene.materials.len()) {
-        let kind = kind(&scene.materials[shape.material].bsdf);
+        let kind = scene.materials[shape.material].bsdf.kind();
         kinds.entry(kind).or_insert(scene.materials.origin(shape.material));
     }
     if kinds.len() <= KINDS {
@@ -40,26 +39,5 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
     );
     for (kind, origin) in kinds {
         also(finding, origin, kind);
-    }
-}
-
-fn kind(bsdf: &Bsdf) -> &'static str {
-    match bsdf {
-        Bsdf::Diffuse { reflectance: _ } => "diffuse",
-        Bsdf::Conductor { eta: _, k: _, alpha } => {
-            if *alpha == 0.0 {
-                "smooth conductor"
-            } else {
-                "rough conductor"
-            }
-        }
-        Bsdf::Dielectric { interior: _, exterior: _, alpha } => {
-            if *alpha == 0.0 {
-                "smooth dielectric"
-            } else {
-                "rough dielectric"
-            }
-        }
-        Bsdf::Mirror { reflectance: _ } => "mirror",
     }
 }

@@ -11,7 +11,7 @@ pub(super) fn page() -> String {
          Everything that ltsc says has a code. **Rules** judge scenes that mean something: their levels are `allow`, `warn` and \
          `deny`, set in\n`ltsc.toml`, on the command line (`--deny smooth-emitter`), or at the place by `allow smooth-emitter \
          \"reason\"`. All **other findings**\nare about what the text says; their errors cannot be switched off. \
-         `ltsc explain CODE` prints a page.\n\n\
+         `ltsc explain CODE` prints a page; [diagnostics.md](diagnostics.md)\nshows them as they look.\n\n\
          ## Rules\n\n| rule | level | what a scene should keep |\n|---|---|---|\n"
     );
     for rule in RULES {

@@ -8,6 +8,7 @@ use pest::error::InputLocation;
 use crate::diag::{FileId, Finding, Span, nearest};
 
 use super::build::clip;
+use super::mistakes;
 use super::parse::{Grammar, Rule};
 use super::{RESERVED, STARTERS};
 
@@ -23,6 +24,9 @@ pub(super) fn explain(file: FileId, text: &str, range: Range<usize>) -> Finding 
     }
     let (offset, expected) = refusal(junk);
     let rest = &junk[offset..];
+    if let Some(finding) = mistakes::find(junk, offset, &at) {
+        return finding;
+    }
     if let Some(open) = unclosed(junk) {
         let what = &junk[open..=open];
         let close = match what {
@@ -69,7 +73,7 @@ fn whole(junk: &str, at: &dyn Fn(usize, usize) -> Span) -> Option<Finding> {
     }
     let is_word = first.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
     if is_word && !STARTERS.contains(&first) {
-        let similar = nearest(first, STARTERS.iter().copied());
+        let similar = mistakes::statement_word(first).or_else(|| nearest(first, STARTERS.iter().copied()));
         let help = similar.map_or_else(
             || {
                 "a statement starts with its kind, for example `let name = ...` or `shape name = ... with ...`"
@@ -232,7 +236,7 @@ fn words(tokens: impl Iterator<Item = String>) -> String {
 }
 
 /// The word, number or sign at the start of a text.
-fn token(text: &str) -> &str {
+pub(super) fn token(text: &str) -> &str {
     let word = text.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(text.len());
     if word > 0 {
         return &text[..word];
@@ -245,7 +249,7 @@ fn number(text: &str) -> &str {
     &text[..end]
 }
 
-fn last_word(text: &str) -> &str {
+pub(super) fn last_word(text: &str) -> &str {
     let start = text
         .rfind(|c: char| !(c.is_ascii_alphanumeric() || c == '_'))
         .map_or(0, |found| found + text[found..].chars().next().map_or(1, char::len_utf8));
@@ -259,16 +263,26 @@ fn last_number(text: &str) -> &str {
     &text[start..]
 }
 
-fn ends_with_operator(text: &str) -> bool {
+pub(super) fn ends_with_operator(text: &str) -> bool {
     text.ends_with(['+', '*', '/', '<', '>', ':']) || text.ends_with("..")
 }
 
-fn inside_brackets(text: &str) -> bool {
+pub(super) fn inside_brackets(text: &str) -> bool {
     unclosed(text).is_some()
 }
 
-/// The innermost bracket that is opened and not closed, outside strings and comments.
+/// The outermost bracket that is opened and not closed, outside strings and comments.
 fn unclosed(text: &str) -> Option<usize> {
+    open_brackets(text).first().copied()
+}
+
+/// The innermost one.
+pub(super) fn innermost(text: &str) -> Option<usize> {
+    open_brackets(text).last().copied()
+}
+
+/// All brackets that are opened and not closed, outermost first.
+fn open_brackets(text: &str) -> Vec<usize> {
     let mut open: Vec<usize> = Vec::new();
     walk(text, |at, byte| {
         match byte {
@@ -280,7 +294,7 @@ fn unclosed(text: &str) -> Option<usize> {
         }
         true
     });
-    open.first().copied()
+    open
 }
 
 /// The first place of `needle` outside strings and comments.

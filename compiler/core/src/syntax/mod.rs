@@ -1,11 +1,12 @@
 //! Text to tree. [`parse`] never fails: it gives the statements it understood and findings for the rest.
 //!
 //! [`split`](self) cuts the text into top-level statements in one pass over the bytes and refuses what is nested too
-//! deeply; `parse` gives each piece, in parallel where there are many, to the grammar (`grammar/lts.pest`) and builds the tree; `explain` turns what the
-//! grammar refused into findings.
+//! deeply; `parse` gives each piece, in parallel where there are many, to the grammar (`grammar/lts.pest`) and builds the tree; `explain` and `mistakes`
+//! turn what the grammar refused into findings.
 
 mod build;
 mod explain;
+mod mistakes;
 mod parse;
 mod split;
 mod tree;
