@@ -3,6 +3,7 @@
 
 use libfuzzer_sys::fuzz_target;
 use ltsc_core::diag::{Severity, Sources};
+use ltsc_core::eval::{Limits, Overrides};
 use ltsc_core::files::{MemoryFiles, MemorySink, VPath};
 use ltsc_core::formats::TARGETS;
 use ltsc_core::pipeline::{Options, camera, check, emit_alone, prepare};
@@ -11,7 +12,10 @@ fuzz_target!(|text: &str| {
     let mut files = MemoryFiles::default();
     files.insert("fuzz.lts", text);
     let path = VPath::resolve("", "fuzz.lts").expect("a path");
-    let checked = check(&files, &mut Sources::default(), &path, &Options::default());
+    // Small limits keep each run short; the same code refuses what is larger.
+    let limits = Limits { list: 10_000, steps: 100_000, triangles: 100_000, instances: 10_000, ..Limits::default() };
+    let options = Options { overrides: Overrides { limits, ..Overrides::default() }, ..Options::default() };
+    let checked = check(&files, &mut Sources::default(), &path, &options);
     let worst = checked.worst();
     let Some(scene) = checked.scene else {
         assert!(worst == Severity::Error || checked.library, "no scene and no reason");

@@ -233,9 +233,9 @@ fn lights_give_the_radiance_of_the_formula() {
             1e-4,
         ),
     ];
-    for renderer in ["mitsuba-3", "luxcore"] {
+    for renderer in ["mitsuba-3", "luxcore", "cycles"] {
         if !there(renderer) {
-            return skip("lights without a surface", "`ltsc renderers install mitsuba-3 luxcore`");
+            return skip("lights without a surface", &format!("`ltsc renderers install {renderer}`"));
         }
         let folder = tempfile::tempdir().expect("a folder");
         for (name, light, samples, irradiance, tolerance) in &lights {
@@ -257,6 +257,85 @@ fn lights_give_the_radiance_of_the_formula() {
                 let expected = reflectance[channel] * irradiance[channel] / PI;
                 let off = (found[channel] - expected).abs();
                 assert!(off <= tolerance * expected, "{renderer} {name}: {found:?} instead of {expected}");
+            }
+        }
+    }
+}
+
+/// A room of reflectance 0.8 with a lamp and `thing` in it, 48 x 48 pixels.
+fn room(folder: &Path, name: &str, max_depth: u32, thing: &str) -> PathBuf {
+    let path = folder.join(format!("{name}.lts"));
+    let wall = |name: &str, extent: &str, normal: &str| {
+        format!("shape {name} = rectangle({extent}, normal: {normal}) with diffuse(0.8)\n")
+    };
+    let walls = [
+        wall("floor", "x: -5..5, y: -5..5, z: 0", "Z"),
+        wall("ceiling", "x: -5..5, y: -5..5, z: 10", "-Z"),
+        wall("back", "x: -5..5, y: 5, z: 0..10", "-Y"),
+        wall("left", "x: -5, y: -5..5, z: 0..10", "X"),
+        wall("right", "x: 5, y: -5..5, z: 0..10", "-X"),
+    ];
+    let text = format!(
+        "lts 1\n\nscene {name} {{}}\n\n\
+         camera = perspective(eye: (0, -16, 5), target: (0, 0, 5), fov_x: 45deg)\nfilm = image(48, 48)\n\
+         integrator = path(max_depth: {max_depth})\nsampler = independent(samples: 16)\n{}\
+         emitter lamp = rectangle(x: -2..2, y: -2..2, z: 9.9, normal: -Z) with radiance(10)\n{thing}\n",
+        walls.concat()
+    );
+    std::fs::write(&path, text).expect("a scene");
+    path
+}
+
+/// What one renderer says otherwise than the others shows in the mean of a tile: materials, instances with turns, shears and
+/// mirrors, and depths at which one segment more or less is a tenth of the light.
+#[test]
+fn three_renderers_agree_on_small_scenes() {
+    for renderer in ["mitsuba-3", "luxcore", "cycles"] {
+        if !there(renderer) {
+            return skip("small scenes in three renderers", &format!("`ltsc renderers install {renderer}`"));
+        }
+    }
+    let group = "group thing(r: number) {\n    shape ball = sphere(radius: r, segments: 32, rings: 16) with diffuse(rgb(0.8, 0.6, 0.2))\n    \
+                 shape box = box(size: 1) |> translate(z: 1.2) with mirror(reflectance: rgb(0.9, 0.7, 0.5))\n}\n\
+                 for i in -1..1 { instance t = thing(0.8) |> rotate(z: 30deg * i) |> scale(x: 1, y: 2, z: 1) |> translate(2.5 * i, 0, 2) }\n\
+                 instance m = thing(0.8) |> scale(x: -1) |> rotate(y: 40deg) |> translate(1, 0, 6)";
+    let scenes = [
+        ("instances", 6, group),
+        (
+            "mirror",
+            6,
+            "shape m = box(size: 3) |> rotate(z: 20deg) |> translate(z: 2.5) with mirror(reflectance: rgb(0.9, 0.5, 0.2))",
+        ),
+        ("direct", 2, "shape m = box(size: 3) |> rotate(z: 20deg) |> translate(z: 2.5) with diffuse(0.5)"),
+        ("once", 3, "shape m = box(size: 3) |> rotate(z: 20deg) |> translate(z: 2.5) with diffuse(0.5)"),
+        (
+            "lit",
+            6,
+            "emitter m = box(size: 3) |> rotate(z: 20deg) |> translate(z: 2.5) with radiance(1, over: diffuse(0.5))",
+        ),
+    ];
+    let folder = tempfile::tempdir().expect("a folder");
+    for (name, max_depth, thing) in scenes {
+        let scene = room(folder.path(), name, max_depth, thing);
+        let image = |renderer: &str| {
+            let out = folder.path().join(format!("{name}-{renderer}.exr"));
+            let ran = run(ltsc()
+                .arg("render")
+                .arg(&scene)
+                .args(["--renderer", renderer, "--samples", "512", "-o"])
+                .arg(&out));
+            assert_eq!(ran.code, Some(0), "{renderer} {name}: {}", ran.err);
+            read(&out).expect("an image").0
+        };
+        let first = image("mitsuba-3");
+        for renderer in ["luxcore", "cycles"] {
+            let (what, other) = (format!("{name} in {renderer} against Mitsuba 3"), image(renderer));
+            if max_depth > 2 {
+                judge(&what, &first, &other, 0.01, 0.1);
+            } else {
+                // Direct light leaves the ceiling black.
+                let ratio = ratio(&first, &other);
+                assert!((ratio - 1.0).abs() < 0.01, "{what}: {ratio}");
             }
         }
     }
@@ -331,9 +410,9 @@ fn textures_lie_the_right_way_up_and_are_decoded() {
     let decode = |x: f64| if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
     // A pixel in the middle of each quarter: four pixels of the image away from its neighbours.
     let places = [(1, 1), (6, 1), (1, 6), (6, 6)];
-    for renderer in ["mitsuba-3", "luxcore"] {
+    for renderer in ["mitsuba-3", "luxcore", "cycles"] {
         if !there(renderer) {
-            return skip("textures", "`ltsc renderers install mitsuba-3 luxcore`");
+            return skip("textures", &format!("`ltsc renderers install {renderer}`"));
         }
         let folder = tempfile::tempdir().expect("a folder");
         for file in ["quads.png", "quads.pfm"] {

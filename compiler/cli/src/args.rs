@@ -11,8 +11,8 @@ of ltsc itself.";
 
 /// Compiler and translator for light-transport test scenes.
 ///
-/// Scenes are written once, in `.lts`, checked against what renderers agree on, and generated for Mitsuba, PBRT, LuxCore
-/// and glTF; real renderers say where their images agree.
+/// Scenes are written once, in `.lts`, checked against what renderers agree on, and generated for Mitsuba, PBRT, LuxCore,
+/// Cycles and glTF; real renderers say where their images agree.
 #[derive(Parser, Debug)]
 #[command(name = "ltsc", version, after_help = EXIT_CODES, max_term_width = 110, arg_required_else_help = true)]
 pub struct Arguments {
@@ -268,7 +268,7 @@ pub struct Emit {
 pub struct Render {
     /// The scene file.
     pub scene: PathBuf,
-    /// The renderer: `mitsuba-3`, `luxcore`.
+    /// The renderer: `mitsuba-3`, `luxcore`, `cycles`.
     #[arg(long, value_name = "NAME")]
     pub renderer: String,
     /// The image to write.

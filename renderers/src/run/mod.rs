@@ -2,6 +2,7 @@
 //!
 //! A driver takes an emitted folder as it is and sets only seed, samples and threads.
 
+mod cycles;
 mod error;
 mod find;
 mod luxcore;
@@ -26,7 +27,7 @@ pub use find::{Found, Search, Source, find};
 pub use render::render;
 
 /// All drivers, in the order in which they are listed.
-pub const DRIVERS: &[&Driver] = &[&mitsuba3::ROW, &luxcore::ROW];
+pub const DRIVERS: &[&Driver] = &[&mitsuba3::ROW, &luxcore::ROW, &cycles::ROW];
 
 /// The driver of this name or alias.
 #[must_use]

@@ -32,7 +32,7 @@ def run(main):
     """Calls main with the job; a failure becomes an event before the traceback is logged."""
     threading.Thread(target=die_with_parent, daemon=True).start()
     try:
-        main(json.loads(sys.argv[1]))
+        main(json.loads(sys.argv[-1]))
     except ImportError as error:
         emit("error", kind="import", message=str(error))
         raise

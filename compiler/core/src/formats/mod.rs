@@ -1,5 +1,6 @@
 //! Targets: one folder per format, and the table of all.
 
+pub mod cycles;
 pub mod gltf;
 pub mod luxcore;
 pub mod mitsuba;
@@ -59,6 +60,7 @@ pub static TARGETS: &[Target] = &[
     pbrt::PBRT_V4,
     pbrt::PBRT_V3,
     luxcore::LUXCORE,
+    cycles::CYCLES,
     gltf::GLTF,
 ];
 

@@ -1,0 +1,44 @@
+//! The conventions of Blender for numbers and names.
+
+/// Clipping distances that a file gets where the scene gives none and nothing lies outside of them.
+pub const DEFAULT_CLIPPING: (f64, f64) = (1e-3, 1e6);
+
+/// Text as a literal of Python.
+pub fn literal(text: &str) -> String {
+    let mut quoted = String::from("\"");
+    for character in text.chars() {
+        match character {
+            '"' => quoted.push_str("\\\""),
+            '\\' => quoted.push_str("\\\\"),
+            ' '..='~' => quoted.push(character),
+            other => quoted.push_str(&format!("\\U{:08x}", u32::from(other))),
+        }
+    }
+    quoted.push('"');
+    quoted
+}
+
+/// How much of a spot's cone fades in Blender, from 0 to 1. Blender compares cosines: with the outer half angle `a` and the
+/// blend `b` the light begins to fade where the tangent has the share ... of the outer one.
+pub fn spot_blend(angle: f64, inner: f64) -> f64 {
+    // Cycles: spotsmooth = (1 - cos a) * blend, fading between cos a and cos a + spotsmooth (`light.cpp`).
+    let (outer, inner) = (libm::cos(angle.to_radians()), libm::cos(inner.to_radians()));
+    if outer < 1.0 { ((inner - outer) / (1.0 - outer)).clamp(0.0, 1.0) } else { 0.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn text_cannot_leave_its_quotes() {
+        assert_eq!(literal("a\"b\\c\n\u{e9}"), "\"a\\\"b\\\\c\\U0000000a\\U000000e9\"");
+    }
+
+    #[test]
+    fn a_sharp_spot_fades_nowhere_and_a_soft_one_everywhere() {
+        assert_eq!(spot_blend(30.0, 30.0), 0.0);
+        assert_eq!(spot_blend(30.0, 0.0), 1.0);
+        assert_eq!(spot_blend(0.0, 0.0), 0.0);
+    }
+}
