@@ -4,9 +4,11 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use crate::diag::{Finding, Severity};
-use crate::ir::{Affine, Bsdf, Color, Places};
+use crate::files::VPath;
+use crate::image;
+use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Encoding, Handle, ImageFile, Places, Texture};
 use crate::mesh::Geometry;
-use crate::mesh::file::{Model, NAMELESS, Part, Scatter, Surface, read_parts};
+use crate::mesh::file::{Model, NAMELESS, Part, Picture, Scatter, Surface, read_parts};
 
 use super::super::items::{GroupBody, Item};
 use super::super::value::{EmissionValue, GroupValue, MaterialValue, MeshValue, Ty, Value};
@@ -50,8 +52,19 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     }
     report(&path.to_string(), &surfaces, &used, bare, site);
     let span = site.span;
+    let textures = textures(&path, &surfaces, &used, site);
+    let painted: Vec<Option<Rc<MaterialValue>>> = surfaces
+        .iter()
+        .zip(textures)
+        .map(|(surface, texture)| {
+            let bsdf = Bsdf::Diffuse { reflectance: ColorOrTexture::Texture(texture?) };
+            let own = matches!(self::bsdf(&surface.scatter).0, Bsdf::Diffuse { .. });
+            let name = (!surface.name.is_empty()).then(|| surface.name.clone());
+            own.then(|| Rc::new(MaterialValue { name, bsdf, span }))
+        })
+        .collect();
     let material = |surface: &Surface| {
-        let Surface { name, scatter, emission, lost: _ } = surface;
+        let Surface { name, scatter, emission, picture: _, lost: _ } = surface;
         let material =
             Rc::new(MaterialValue { name: (!name.is_empty()).then(|| name.clone()), bsdf: bsdf(scatter).0, span });
         (material, emission.map(color))
@@ -75,6 +88,9 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
         let found = surface.and_then(|surface| materials.get(surface)).cloned();
         let (material, emission) = found.unwrap_or_else(|| (Rc::clone(&grey), None));
         let Some(mesh) = meshes.get(mesh) else { continue };
+        // Without texture coordinates there is nothing to lay an image over.
+        let paint = surface.and_then(|surface| painted.get(surface)).and_then(Option::as_ref);
+        let material = paint.filter(|_| mesh.uvs.is_some()).map_or(material, Rc::clone);
         let mesh = Rc::clone(mesh);
         let mesh = MeshValue { mesh, transform, span };
         let (material, emission) = match emission {
@@ -87,6 +103,57 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     let name = path.stem().to_owned();
     let body = GroupBody { name, span, items, lights: Vec::new(), instances: Vec::new(), size, depth: 1, lit: false };
     Ok(Value::Group(GroupValue { body: Rc::new(body), places: Places::One(Affine::IDENTITY) }))
+}
+
+/// The images of the surfaces that are used. One that cannot be read is reported, and the surface keeps its plain colour.
+fn textures(path: &VPath, surfaces: &[Surface], used: &[bool], site: &mut Site<'_>) -> Vec<Option<Handle<Texture>>> {
+    let mut known: BTreeMap<String, Option<Handle<Texture>>> = BTreeMap::new();
+    let mut all = Vec::new();
+    for (surface, used) in surfaces.iter().zip(used) {
+        let Some(picture) = surface.picture.as_ref().filter(|_| *used) else {
+            all.push(None);
+            continue;
+        };
+        let key = match picture {
+            Picture::Beside(name) => name.clone(),
+            Picture::Inside { image, ending: _, bytes: _ } => format!("\0{image}"),
+        };
+        if let Some(known) = known.get(&key) {
+            all.push(*known);
+            continue;
+        }
+        let made = match texture(path, surface, picture, site) {
+            Ok(texture) => Some(site.host.texture(texture, site.span)),
+            Err(message) => {
+                let message = format!(
+                    "`{path}`: not read of the material `{}`: its texture, {message}",
+                    surface.name.escape_debug()
+                );
+                site.findings.push(Finding::new("loss-dropped", Severity::Warn, site.span, message));
+                None
+            }
+        };
+        known.insert(key, made);
+        all.push(made);
+    }
+    all
+}
+
+fn texture(path: &VPath, surface: &Surface, picture: &Picture, site: &mut Site<'_>) -> Result<Texture, String> {
+    let (name, ending, file) = match picture {
+        Picture::Inside { image: _, ending, bytes } => {
+            (surface.name.clone(), (*ending).to_owned(), ImageFile::new(bytes))
+        }
+        Picture::Beside(written) => {
+            let other =
+                VPath::resolve(path.folder(), &written.replace('\\', "/")).map_err(|error| error.to_string())?;
+            let bytes = site.host.read(&other).map_err(|error| format!("`{other}`: {error}"))?;
+            (other.stem().to_owned(), other.extension(), ImageFile::new(&bytes))
+        }
+    };
+    let image = image::read(&ending, &file).map_err(|error| format!("`{name}` {}", error.message))?;
+    let encoding = if image.format.is_float() { Encoding::Linear } else { Encoding::Srgb };
+    Ok(Texture { name, file, image, encoding })
 }
 
 /// Says what of the materials is not read, or not exactly; once for each reason.

@@ -13,7 +13,7 @@ mod stl;
 
 use std::fmt;
 
-pub use model::{Model, NAMELESS, Part, Scatter, Surface};
+pub use model::{Model, NAMELESS, Part, Picture, Scatter, Surface};
 
 use super::Geometry;
 use crate::diag::{Severity, nearest};

@@ -1,5 +1,7 @@
 //! What a file of several parts holds: meshes, what they are made of, and where they lie.
 
+use std::sync::Arc;
+
 use super::finish::flat;
 use super::{FileError, Note, missing_part};
 use crate::ir::{Affine, Vec3};
@@ -38,8 +40,26 @@ pub struct Surface {
     pub scatter: Scatter,
     /// The radiance that it sends out on its front; none for 0.
     pub emission: Option<Vec3>,
+    /// The image that gives its diffuse or base colour, over the first texture coordinates.
+    pub picture: Option<Picture>,
     /// What the file says of it that is not in here, in words.
     pub lost: Vec<&'static str>,
+}
+
+/// An image that colours a surface, by the sRGB curve.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Picture {
+    /// A file, by its path from the folder of the mesh file.
+    Beside(String),
+    /// Within the mesh file.
+    Inside {
+        /// Its number in the file.
+        image: usize,
+        /// The ending that its file would have.
+        ending: &'static str,
+        /// Its bytes.
+        bytes: Arc<[u8]>,
+    },
 }
 
 /// How a surface of a file scatters light. Colours are linear sRGB.

@@ -5,12 +5,13 @@
 //! | `Kd` | the reflectance of a diffuse surface |
 //! | `illum 3`, `illum 8` with `Kd 0` and `Ks` | a mirror of reflectance `Ks` |
 //! | `illum 4`, `6`, `7`, `9`, or `d` < 1 with `Ni` > 1 | clear glass of index `Ni` |
+//! | `map_Kd` | a texture in the place of `Kd` |
 //! | `Ke` | radiance of an emitter |
 //! | `Ka` | nothing: ambient light is no light of a scene |
 
 use std::collections::BTreeMap;
 
-use super::model::{Scatter, Surface};
+use super::model::{Picture, Scatter, Surface};
 use super::{FileError, Note, shown};
 use crate::ir::Vec3;
 
@@ -28,6 +29,7 @@ struct Entry {
     opacity: Option<f64>,
     illum: Option<f64>,
     filter: Option<Vec3>,
+    picture: Option<String>,
     /// Statements that stand for something that is not read.
     lost: Vec<&'static str>,
 }
@@ -72,7 +74,16 @@ pub(super) fn read(
             }
             b"Tr" => entry.opacity = Some(1.0 - number(rest).ok_or_else(|| fault(place(), rest))?),
             b"illum" => entry.illum = Some(number(rest).ok_or_else(|| fault(place(), rest))?),
-            b"map_Kd" => lose("textures of the diffuse colour"),
+            b"map_Kd" => {
+                // Options come first; a name without them may contain blanks.
+                let name = if rest.starts_with(b"-") {
+                    lose("options of textures");
+                    rest.rsplit(u8::is_ascii_whitespace).next().unwrap_or(rest)
+                } else {
+                    rest
+                };
+                entry.picture = Some(String::from_utf8_lossy(name).into_owned()).filter(|name| !name.is_empty());
+            }
             b"map_Ks" | b"map_Ns" | b"map_Pr" | b"map_Pm" | b"refl" => lose("textures of specular reflection"),
             b"map_Ke" => lose("textures of emission"),
             b"map_d" | b"map_Tr" => lose("textures of opacity"),
@@ -100,7 +111,7 @@ pub(super) fn read(
 
 impl Entry {
     fn surface(self) -> Surface {
-        let Self { name, kd, ks, ke, ni, opacity, illum, filter, mut lost } = self;
+        let Self { name, kd, ks, ke, ni, opacity, illum, filter, picture, mut lost } = self;
         let illum = illum.unwrap_or(2.0);
         let shiny = ks.filter(|ks| *ks != [0.0; 3]);
         let opacity = opacity.unwrap_or(1.0);
@@ -128,7 +139,8 @@ impl Entry {
                 Scatter::Diffuse(kd.unwrap_or([GREY; 3]))
             }
         };
-        Surface { name, scatter, emission: ke.filter(|ke| *ke != [0.0; 3]), lost }
+        let picture = picture.map(Picture::Beside);
+        Surface { name, scatter, emission: ke.filter(|ke| *ke != [0.0; 3]), picture, lost }
     }
 }
 

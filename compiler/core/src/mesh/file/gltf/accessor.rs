@@ -26,7 +26,8 @@ struct Elements<'a> {
 }
 
 impl<'a> Buffers<'a> {
-    fn range(&self, at: usize, from: u64, size: u64) -> Option<&'a [u8]> {
+    /// `size` bytes of the view `at`, from byte `from` of it.
+    pub fn range(&self, at: usize, from: u64, size: u64) -> Option<&'a [u8]> {
         let view = self.root.buffer_views.get(at)?;
         let start = view.byte_offset.unwrap_or_default().0.checked_add(from)?;
         (from.checked_add(size)? <= view.byte_length.0).then_some(())?;

@@ -41,10 +41,12 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>, beside: &mut Beside<'_>) ->
         }
     }
     let size = text.len() as u64 + buffers.iter().map(|bytes| bytes.len() as u64).sum::<u64>();
+    let buffers = Buffers { root: &root, bytes: buffers };
+    let surfaces = material::surfaces(&buffers);
     let reader = Reader {
-        buffers: Buffers { root: &root, bytes: buffers },
+        buffers,
         room: size.saturating_mul(GROWTH),
-        model: Model { surfaces: material::surfaces(&root), ..Model::default() },
+        model: Model { surfaces, ..Model::default() },
         known: BTreeMap::new(),
         shared: BTreeMap::new(),
         skipped: BTreeMap::new(),

@@ -3,7 +3,7 @@
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
-use super::super::model::{Scatter, Surface};
+use super::super::model::{Picture, Scatter, Surface};
 use super::super::{alone, read as read_file, read_parts};
 use super::*;
 use crate::files::MemorySink;
@@ -81,6 +81,7 @@ fn nodes_place_their_meshes_with_z_up() {
         name: "paint".to_owned(),
         scatter: Scatter::Diffuse([0.5, 0.25, 0.125]),
         emission: None,
+        picture: None,
         lost: vec![],
     };
     assert_eq!(model.surfaces, [paint]);
@@ -158,6 +159,26 @@ fn materials_are_told() {
     let base = [1.0; 3];
     assert_eq!(lamp.scatter, Scatter::MetallicRoughness { base, metallic: 1.0, roughness: 1.0, ior: 1.5 });
     assert_eq!(lamp.lost.len(), 1, "{:?}", lamp.lost);
+}
+
+#[test]
+fn pictures_lie_inside_or_beside() {
+    let picture = |image: Value| {
+        let bytes = changed(|document| {
+            let info = json!({"index": 0});
+            document["materials"][0] = json!({"name": "p", "pbrMetallicRoughness": {"baseColorTexture": info}});
+            document["textures"] = json!([{"source": 0}]);
+            document["images"] = json!([image]);
+        });
+        let (model, _) = read_parts("glb", &bytes, &mut alone).expect("a good file");
+        model.surfaces.into_iter().next().expect("a material").picture
+    };
+    assert_eq!(picture(json!({"uri": "wood%20grain.png"})), Some(Picture::Beside("wood grain.png".to_owned())));
+    let inside = Some(Picture::Inside { image: 0, ending: "jpg", bytes: [1, 2, 3].into() });
+    assert_eq!(picture(json!({"uri": "data:image/jpeg;base64,AQID"})), inside);
+    let view = picture(json!({"bufferView": 3, "mimeType": "image/png"}));
+    assert!(matches!(view, Some(Picture::Inside { image: 0, ending: "png", bytes }) if bytes.len() == 12));
+    assert_eq!(picture(json!({"bufferView": 3, "mimeType": "image/ktx2"})), None);
 }
 
 #[test]
