@@ -28,6 +28,7 @@ pub const BEYOND_TEXT: &[(&str, &str)] = &[
     ("invalid-scene", "emit, not lint: see `cli`"),
     ("not-text", "binary input: see `cli`"),
     ("step-limit", "takes seconds: see `cli`"),
+    ("unformatted", "fmt, not lint: see `format`"),
     ("unknown-parameter", "the command line: see `cli`"),
 ];
 

@@ -143,3 +143,31 @@ fn standard_input_becomes_standard_output() {
     assert_eq!(String::from_utf8_lossy(&output.stdout), "lts 1\nlet a = [1, 2] // two\n");
     assert_eq!(run(ltsc().args(["fmt", "-", "a.lts"])).code, Some(2));
 }
+
+#[test]
+fn programs_are_told_what_has_another_form() {
+    let folder = tempfile::tempdir().expect("a folder");
+    fs::create_dir(folder.path().join(".git")).expect("a folder");
+    let project = folder.path().join("suite");
+    fs::create_dir_all(project.join("scenes-src")).expect("a folder");
+    fs::write(project.join("ltsc.toml"), "").expect("a write");
+    fs::write(project.join("scenes-src/a.lts"), "lts 1\n\nlet a  =  1\n").expect("a write");
+    fs::write(project.join("scenes-src/b.lts"), "lts 1\n\nlet b = (1\n").expect("a write");
+    fs::write(project.join("scenes-src/c.lts"), "lts 1\n\nlet c = 1\n").expect("a write");
+    let fmt = |args: &[&str]| run(ltsc().current_dir(&project).arg("fmt").args(args));
+    let github = fmt(&["--check", "--format", "github"]);
+    assert_eq!(github.code, Some(3), "{}", github.err);
+    let words = [
+        "::error file=suite/scenes-src/a.lts,line=3,endLine=3,col=1,endColumn=12,title=unformatted::",
+        "file=suite/scenes-src/b.lts,line=3",
+    ];
+    assert!(words.iter().all(|word| github.out.contains(word)) && github.out.lines().count() == 2, "{}", github.out);
+    let json: serde_json::Value =
+        serde_json::from_str(&fmt(&["--check", "--format", "json", "nowhere.lts", "scenes-src"]).out).expect("JSON");
+    let ids: Vec<&str> =
+        json["findings"].as_array().expect("findings").iter().filter_map(|finding| finding["id"].as_str()).collect();
+    assert_eq!(ids, ["unreadable-file", "unformatted", "syntax-error"]);
+    let sarif: serde_json::Value = serde_json::from_str(&fmt(&["--format", "sarif"]).out).expect("JSON");
+    assert_eq!(sarif["runs"][0]["results"][0]["ruleId"], "syntax-error");
+    assert_eq!(fs::read_to_string(project.join("scenes-src/a.lts")).expect("a file"), "lts 1\n\nlet a = 1\n");
+}

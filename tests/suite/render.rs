@@ -438,3 +438,53 @@ fn textures_lie_the_right_way_up_and_are_decoded() {
         }
     }
 }
+
+/// A spectrum as a reflectance and as light has the colours that a table of 1 nm gives (colour-science 0.4.7, CIE 1931, D65).
+#[test]
+fn spectra_have_the_colours_of_the_standard_observer() {
+    let moss = "spectrum([(400, 0.08), (480, 0.12), (550, 0.38), (620, 0.22), (700, 0.3)])";
+    let warm =
+        "spectrum([(400, 0.175), (450, 0.368), (500, 0.631), (560, 1), (600, 1.254), (650, 1.554), (700, 1.818)])";
+    let cases = [
+        ("moss", format!("diffuse({moss})"), [0.26468, 0.31952, 0.08601]),
+        ("grey", "diffuse(spectrum([(500, 0.25), (600, 0.25)]))".to_owned(), [0.25; 3]),
+        ("warm", format!("radiance({warm})"), [1.77206, 0.84931, 0.27903]),
+    ];
+    for renderer in ["mitsuba-3", "luxcore"] {
+        if !there(renderer) {
+            return skip("spectra", "`ltsc renderers install mitsuba-3 luxcore`");
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        for (name, surface, expected) in &cases {
+            let scene = lit_square(folder.path(), name, "", surface);
+            if surface.starts_with("radiance") {
+                let text = std::fs::read_to_string(&scene).expect("the scene").replace("shape floor", "emitter floor");
+                std::fs::write(&scene, text).expect("a scene");
+            }
+            let found = mean(&rendered(&scene, renderer, "1"));
+            for (found, expected) in found.into_iter().zip(expected) {
+                assert!((found / expected - 1.0).abs() < 2e-3, "{renderer} {name}: {found} instead of {expected}");
+            }
+        }
+    }
+}
+
+/// Smooth plastic seen head-on in light from above, whose mirror image is no part of it: what passes the coat twice, at the base
+/// and within the coat, is rho (1 - F)^2 / n^2 / (1 - rho Fi), with F = 0.04 and Fi = 0.5963 for n = 1.5 (Mitsuba's `plastic`).
+#[test]
+fn plastic_is_a_base_under_a_coat() {
+    let expected = 0.5 * 0.96 * 0.96 / 2.25 / (1.0 - 0.5 * 0.5963);
+    for (renderer, bound) in [("mitsuba-3", 2e-3), ("luxcore", 0.12)] {
+        if !there(renderer) {
+            return skip("plastic", "`ltsc renderers install mitsuba-3 luxcore`");
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let scene = lit_square(folder.path(), "coat", "", "plastic(0.5)");
+        // Light from the side of the camera's mirror image would be seen in the coat.
+        let text = std::fs::read_to_string(&scene).expect("the scene").replace("eye: (0, 0, 10)", "eye: (0.8, 0, 10)");
+        std::fs::write(&scene, text).expect("a scene");
+        let image = rendered(&scene, renderer, "1");
+        let found = f64::from(image.pixels[4 * image.width + 4][1]);
+        assert!((found / expected - 1.0).abs() < bound, "{renderer}: {found} instead of {expected}");
+    }
+}

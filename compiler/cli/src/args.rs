@@ -71,7 +71,7 @@ pub enum Command {
     /// Comments stay, numbers stay as written, the meaning never changes. Without PATH the scenes of the project that the
     /// current folder belongs to; `-` reads standard input and writes standard output.
     #[command(
-        after_help = "Examples:\n  ltsc fmt\n  ltsc fmt scenes-src/ring.lts\n  ltsc fmt --check          (exit 1 where something would change)\n  ltsc fmt - < draft.lts > ring.lts"
+        after_help = "Examples:\n  ltsc fmt\n  ltsc fmt scenes-src/ring.lts\n  ltsc fmt --check          (exit 1 where something would change)\n  ltsc fmt --check --format github\n  ltsc fmt - < draft.lts > ring.lts"
     )]
     Fmt(Fmt),
     /// Say which scenes of the project are near a scene, and what follows from it.
@@ -230,6 +230,9 @@ pub struct Fmt {
     /// Write nothing; show what would change.
     #[arg(long)]
     pub diff: bool,
+    /// How errors are printed, and with `--check` the files that would change.
+    #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
+    pub format: Format,
     #[command(flatten)]
     pub limits: Limits,
 }

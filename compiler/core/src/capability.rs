@@ -51,6 +51,14 @@ pub enum Feature {
     Mirror,
     /// A mirror that reflects less than all light, or is not grey.
     DimMirror,
+    /// A base under a clear coat.
+    Plastic,
+    /// The same with a texture.
+    TexturedPlastic,
+    /// A principled material.
+    Principled,
+    /// The same with a texture.
+    TexturedPrincipled,
     /// An emitter on a black diffuse surface.
     BlackEmitter,
     /// An emitter on a surface that also scatters light.
@@ -67,6 +75,8 @@ pub enum Feature {
     SoftSpotLight,
     /// A directional light.
     DirectionalLight,
+    /// A color as a spectrum.
+    Spectrum,
     /// A texture.
     Texture,
     /// A texture whose image has colours.
@@ -153,6 +163,10 @@ impl Feature {
         Self::ThinnerInside,
         Self::Mirror,
         Self::DimMirror,
+        Self::Plastic,
+        Self::TexturedPlastic,
+        Self::Principled,
+        Self::TexturedPrincipled,
         Self::BlackEmitter,
         Self::ScatteringEmitter,
         Self::ColouredEmitter,
@@ -161,6 +175,7 @@ impl Feature {
         Self::SpotLight,
         Self::SoftSpotLight,
         Self::DirectionalLight,
+        Self::Spectrum,
         Self::Texture,
         Self::ColouredTexture,
         Self::LinearTexture,
@@ -213,6 +228,10 @@ impl Feature {
             Self::ThinnerInside => "a dielectric optically thinner inside than outside",
             Self::Mirror => "a mirror",
             Self::DimMirror => "a mirror that absorbs light",
+            Self::Plastic => "plastic",
+            Self::TexturedPlastic => "plastic with a texture",
+            Self::Principled => "a principled material",
+            Self::TexturedPrincipled => "a principled material with a texture",
             Self::BlackEmitter => "an emitter on a black surface",
             Self::ScatteringEmitter => "an emitter on a surface that scatters light",
             Self::ColouredEmitter => "a coloured emitter",
@@ -221,6 +240,7 @@ impl Feature {
             Self::SpotLight => "a spot light",
             Self::SoftSpotLight => "a spot light with a soft edge",
             Self::DirectionalLight => "a directional light",
+            Self::Spectrum => "a spectrum",
             Self::Texture => "a texture",
             Self::ColouredTexture => "a coloured texture",
             Self::LinearTexture => "a texture of linear numbers in PNG",
@@ -337,7 +357,7 @@ pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
             let black = scatters == Some(false);
             let kind = if black { Feature::BlackEmitter } else { Feature::ScatteringEmitter };
             asked.add(kind, place);
-            asked.add_if(!radiance.is_grey(), Feature::ColouredEmitter, place);
+            asked.color(radiance, Feature::ColouredEmitter, place);
         }
     }
     for (place, light) in lights.entries() {
@@ -352,7 +372,7 @@ pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
             LightKind::Directional { direction: _, irradiance: _ } => Feature::DirectionalLight,
         };
         asked.add(feature, place);
-        asked.add_if(!kind.color().is_grey(), Feature::ColouredEmitter, place);
+        asked.color(kind.color(), Feature::ColouredEmitter, place);
     }
     for (place, _) in instances.entries().take(1) {
         asked.add(Feature::Instances, place);
@@ -382,6 +402,15 @@ impl Asked {
         }
     }
 
+    /// A color: a spectrum, or `coloured` where it is not grey.
+    fn color(&mut self, color: &Color, coloured: Feature, place: &Origin) {
+        match color {
+            Color::Grey(_) => {}
+            Color::Rgb(_) => self.add_if(!color.is_grey(), coloured, place),
+            Color::Spectrum(_) => self.add(Feature::Spectrum, place),
+        }
+    }
+
     fn has(&self, feature: Feature) -> bool {
         self.0.contains_key(&feature)
     }
@@ -392,7 +421,7 @@ fn ask_bsdf(asked: &mut Asked, bsdf: &Bsdf, place: &Origin) {
         Bsdf::Diffuse { reflectance } => {
             asked.add(Feature::Diffuse, place);
             match reflectance {
-                ColorOrTexture::Color(color) => asked.add_if(!color.is_grey(), Feature::ColouredDiffuse, place),
+                ColorOrTexture::Color(color) => asked.color(color, Feature::ColouredDiffuse, place),
                 // What the texture asks for stands with it.
                 ColorOrTexture::Texture(_) => {}
             }
@@ -403,7 +432,8 @@ fn ask_bsdf(asked: &mut Asked, bsdf: &Bsdf, place: &Origin) {
             asked.add(kind, place);
             asked.add_if(!smooth && *alpha < SHARP_ALPHA, Feature::SharpConductor, place);
             asked.add_if(*alpha > WIDE_ALPHA, Feature::WideConductor, place);
-            asked.add_if(!(eta.is_grey() && k.is_grey()), Feature::ColouredConductor, place);
+            asked.color(eta, Feature::ColouredConductor, place);
+            asked.color(k, Feature::ColouredConductor, place);
         }
         Bsdf::Dielectric { interior, exterior, alpha } => {
             let smooth = *alpha == 0.0;
@@ -414,8 +444,23 @@ fn ask_bsdf(asked: &mut Asked, bsdf: &Bsdf, place: &Origin) {
         Bsdf::Mirror { reflectance } => {
             asked.add(Feature::Mirror, place);
             asked.add_if(reflectance.rgb() != [1.0; 3], Feature::DimMirror, place);
+            asked.add_if(reflectance.spectrum().is_some(), Feature::Spectrum, place);
+        }
+        Bsdf::Plastic { reflectance, ior: _, alpha: _ } => {
+            asked.add(Feature::Plastic, place);
+            asked.add_if(reflectance.texture().is_some(), Feature::TexturedPlastic, place);
+            asked.add_if(has_spectrum(reflectance), Feature::Spectrum, place);
+        }
+        Bsdf::Principled { base, metallic: _, roughness: _, ior: _ } => {
+            asked.add(Feature::Principled, place);
+            asked.add_if(base.texture().is_some(), Feature::TexturedPrincipled, place);
+            asked.add_if(has_spectrum(base), Feature::Spectrum, place);
         }
     }
+}
+
+fn has_spectrum(paint: &ColorOrTexture) -> bool {
+    paint.color().is_some_and(|color| color.spectrum().is_some())
 }
 
 fn ask_texture(asked: &mut Asked, texture: &Texture, place: &Origin) {
@@ -481,6 +526,9 @@ pub fn algorithm(integrator: &Integrator) -> (Feature, bool) {
 fn scatters_diffusely(bsdf: &Bsdf) -> Option<bool> {
     match bsdf {
         Bsdf::Diffuse { reflectance } => Some(!reflectance.color().is_some_and(Color::is_black)),
+        // Their bases are diffuse.
+        Bsdf::Plastic { reflectance: _, ior: _, alpha: _ }
+        | Bsdf::Principled { base: _, metallic: _, roughness: _, ior: _ } => Some(true),
         Bsdf::Conductor { eta: _, k: _, alpha: _ }
         | Bsdf::Dielectric { interior: _, exterior: _, alpha: _ }
         | Bsdf::Mirror { reflectance: _ } => None,
@@ -552,12 +600,12 @@ mod tests {
             found.retain(|feature| *feature < Feature::BlackEmitter);
             found
         };
-        let grey = Color::Grey(0.2);
+        let grey = || Color::Grey(0.2);
         let coloured = Color::Rgb([0.2, 0.3, 0.4]);
-        assert_eq!(asks(metal(grey, 0.0)), [Feature::SmoothConductor]);
-        assert_eq!(asks(metal(grey, 0.3)), [Feature::RoughConductor]);
-        assert_eq!(asks(metal(grey, 0.31)), [Feature::RoughConductor, Feature::WideConductor]);
-        assert_eq!(asks(metal(grey, 0.005)), [Feature::RoughConductor, Feature::SharpConductor]);
+        assert_eq!(asks(metal(grey(), 0.0)), [Feature::SmoothConductor]);
+        assert_eq!(asks(metal(grey(), 0.3)), [Feature::RoughConductor]);
+        assert_eq!(asks(metal(grey(), 0.31)), [Feature::RoughConductor, Feature::WideConductor]);
+        assert_eq!(asks(metal(grey(), 0.005)), [Feature::RoughConductor, Feature::SharpConductor]);
         assert_eq!(asks(metal(coloured, 0.1)), [Feature::RoughConductor, Feature::ColouredConductor]);
         let bubble = Bsdf::Dielectric { interior: 1.0, exterior: 1.33, alpha: 0.0 };
         assert_eq!(asks(bubble), [Feature::SmoothDielectric, Feature::ThinnerInside]);

@@ -3,11 +3,12 @@
 //! Reading order: [`diag`] and [`files`] (what everything speaks), [`ir`] (the Scene in the middle), [`syntax`] (text to
 //! tree), [`format`] (text to its canonical form), [`eval`] (tree to Scene), [`mesh`] (generators, mesh files), [`npy`] (arrays of numbers),
 //! [`image`] (headers of image files), [`valid`] (what every emitter may rely on),
-//! [`survey`] (what lies where), [`lint`] (portability), [`fix`] (findings to edits), [`similar`] (how near scenes are), [`lower`] (Scene to Scene), [`capability`] (what a target can say), [`formats`] (targets and
+//! [`survey`] (what lies where), [`contact`] (what lies against what), [`lint`] (portability), [`fix`] (findings to edits), [`similar`] (how near scenes are), [`lower`] (Scene to Scene), [`capability`] (what a target can say), [`formats`] (targets and
 //! importers), [`pipeline`], the only file that knows all stages, and [`manual`], the pages made from the tables of them all.
 #![deny(clippy::wildcard_enum_match_arm)]
 
 pub mod capability;
+pub mod contact;
 pub mod diag;
 pub mod eval;
 pub mod files;

@@ -213,6 +213,16 @@ def mirror(reflectance):
     return surface
 
 
+def principled(base, metallic, roughness, ior):
+    def surface(nodes):
+        node = nodes.new("ShaderNodeBsdfPrincipled", Metallic=metallic, Roughness=roughness, IOR=ior)
+        node.distribution = "GGX"
+        nodes.set(node.inputs["Base Color"], base)
+        return node.outputs[0]
+
+    return surface
+
+
 def mesh(name, file):
     """A binary PLY file of triangles, below or beside the folder of this file."""
     with open(os.path.join(FOLDER, file), "rb") as source:

@@ -2,18 +2,19 @@
 
 use std::fs;
 use std::io::Read;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use ltsc_core::diag::{Severity, Sources};
+use ltsc_core::diag::{Finding, Severity, Sources};
 use ltsc_core::eval::Limits;
-use ltsc_core::format::{FormatError, format};
+use ltsc_core::format::{FormatError, format, unformatted};
 use rayon::prelude::*;
 use similar::TextDiff;
 
 use crate::args::{Fmt, Format};
-use crate::disk;
+use crate::disk::{self, DiskFiles};
 use crate::output::{self, Exit, Failure, Located};
-use crate::project::limits_with;
+use crate::project::{self, limits_with};
 use crate::terminal;
 
 use super::shared::files_of;
@@ -24,8 +25,19 @@ enum Done {
     Unchanged(String),
     /// The text before and after.
     Changed(String, String),
-    /// What is wrong has been shown.
-    Refused(Exit),
+    /// What is wrong with it, and the text that this is about.
+    Refused(Vec<Finding>, Sources),
+}
+
+/// A file that was asked for.
+struct Asked {
+    file: PathBuf,
+    /// Its path below the project's root.
+    path: String,
+    /// Where the project lies in its repository.
+    prefix: Arc<str>,
+    /// The most bytes that are read.
+    most: u64,
 }
 
 pub fn run(command: &Fmt) -> Result<Exit, Failure> {
@@ -39,33 +51,75 @@ pub fn run(command: &Fmt) -> Result<Exit, Failure> {
     let (groups, problems) = files_of(&command.paths)?;
     for (project, paths) in groups {
         let most = limits_with(project.limits, &command.limits)?.text;
-        files.extend(paths.into_iter().map(|path| (path, most)));
+        let prefix: Arc<str> = project::prefix(&project.root).into();
+        let disk = DiskFiles::new(&project.root).ok();
+        let path = |file: &Path| disk.as_ref().and_then(|disk| disk.path_of(file)).map(|path| path.to_string());
+        files.extend(paths.into_iter().map(|file| Asked {
+            path: path(&file).unwrap_or_else(|| file.display().to_string()),
+            file,
+            prefix: Arc::clone(&prefix),
+            most,
+        }));
     }
-    let done: Vec<Result<Done, Failure>> = files.par_iter().map(|(file, most)| one(file, *most, command)).collect();
-    let mut worst = problems.iter().map(Failure::show).max().unwrap_or(Exit::Done);
-    let mut changed = 0;
-    for ((file, _), done) in files.iter().zip(done) {
+    let done: Vec<Result<Done, Failure>> = files.par_iter().map(|asked| one(asked, command)).collect();
+    // A diff is for people, and the output of the command.
+    let format = if command.diff { Format::Human } else { command.format };
+    let people = matches!(format, Format::Human | Format::Short);
+    let nowhere: Arc<str> = "".into();
+    let mut found: Vec<(Vec<Finding>, Sources, Arc<str>)> = Vec::new();
+    let mut failed = |failure: Failure| {
+        let exit = if people { failure.show() } else { failure.exit };
+        if !people {
+            found.push((vec![failure.into_finding()], Sources::default(), Arc::clone(&nowhere)));
+        }
+        exit
+    };
+    let mut worst = Exit::Done;
+    for problem in problems {
+        worst = worst.max(failed(problem));
+    }
+    let (mut rest, mut changed) = (Vec::new(), 0);
+    for (asked, done) in files.iter().zip(done) {
         let exit = match done {
             Ok(Done::Unchanged(_)) => Exit::Done,
             Ok(Done::Changed(before, after)) => {
                 changed += 1;
+                let name = asked.file.display();
                 if command.diff {
-                    terminal::print(&difference(&file.display().to_string(), &before, &after));
+                    terminal::print(&difference(&name.to_string(), &before, &after));
                 }
                 let what = if command.check { "would be formatted" } else { "formatted" };
-                terminal::say(&format!("{} {what}", file.display()));
+                terminal::say(&format!("{name} {what}"));
+                if command.check && !people {
+                    let mut sources = Sources::default();
+                    let file = sources.add(asked.path.as_str(), before.as_str());
+                    rest.push((vec![unformatted(file, &before, &after)], sources, Arc::clone(&asked.prefix)));
+                }
                 if command.check { Exit::No } else { Exit::Done }
             }
-            Ok(Done::Refused(exit)) => exit,
-            Err(failure) => failure.show(),
+            Ok(Done::Refused(findings, sources)) => {
+                rest.push((findings, sources, Arc::clone(&asked.prefix)));
+                Exit::Input
+            }
+            Err(failure) => failed(failure),
         };
         worst = worst.max(exit);
     }
+    found.extend(rest);
+    report(&found, format);
     let count = files.len();
     let plural = if count == 1 { "" } else { "s" };
     let what = if command.check { "not formatted" } else { "changed" };
     terminal::say(&format!("{count} file{plural}, {changed} {what}"));
     Ok(worst)
+}
+
+/// Prints what keeps files from being formatted.
+fn report(found: &[(Vec<Finding>, Sources, Arc<str>)], format: Format) {
+    let all = found.iter().flat_map(|(findings, sources, prefix)| {
+        findings.iter().map(move |finding| Located { finding: finding.clone(), sources, prefix })
+    });
+    output::findings(&all.collect::<Vec<_>>(), format, false, true);
 }
 
 /// Standard input to standard output.
@@ -77,7 +131,10 @@ fn input(command: &Fmt) -> Result<Exit, Failure> {
     let text = text("standard input", bytes, most)?;
     let done = formatted("<stdin>", text)?;
     let (before, after) = match done {
-        Done::Refused(exit) => return Ok(exit),
+        Done::Refused(findings, sources) => {
+            report(&[(findings, sources, "".into())], command.format);
+            return Ok(Exit::Input);
+        }
         Done::Unchanged(text) => (text.clone(), text),
         Done::Changed(before, after) => (before, after),
     };
@@ -89,15 +146,16 @@ fn input(command: &Fmt) -> Result<Exit, Failure> {
     Ok(if command.check && before != after { Exit::No } else { Exit::Done })
 }
 
-fn one(file: &Path, most: u64, command: &Fmt) -> Result<Done, Failure> {
-    let name = file.display().to_string();
+fn one(asked: &Asked, command: &Fmt) -> Result<Done, Failure> {
+    let Asked { file, path, prefix: _, most } = asked;
+    let (name, most) = (file.display().to_string(), *most);
     let unreadable = |error: std::io::Error| Failure::new(Exit::Input, format!("{name} cannot be read: {error}"));
     let size = fs::metadata(file).map_err(unreadable)?.len();
     if size > most {
         return Err(too_large(&name, most));
     }
     let text = text(&name, fs::read(file).map_err(unreadable)?, most)?;
-    let done = formatted(&name, text)?;
+    let done = formatted(path, text)?;
     if let Done::Changed(_, after) = &done
         && !command.check
         && !command.diff
@@ -136,10 +194,7 @@ fn formatted(name: &str, text: String) -> Result<Done, Failure> {
         Ok(after) => Ok(Done::Changed(text, after)),
         Err(FormatError::Malformed(findings)) => {
             let shown = findings.into_iter().filter(|finding| finding.severity >= Severity::Error);
-            let all: Vec<Located<'_>> =
-                shown.map(|finding| Located { finding, sources: &sources, prefix: "" }).collect();
-            output::findings(&all, Format::Human, false, true);
-            Ok(Done::Refused(Exit::Input))
+            Ok(Done::Refused(shown.collect(), sources))
         }
         Err(FormatError::Fault(difference)) => {
             let message =

@@ -1,6 +1,6 @@
 //! `ltsc lint`.
 
-use ltsc_core::diag::{Finding, Origin, Severity, Sources};
+use ltsc_core::diag::{Finding, Severity, Sources};
 use ltsc_core::eval::Overrides;
 use ltsc_core::formats::Target;
 use ltsc_core::pipeline;
@@ -42,11 +42,8 @@ pub fn run(command: &Lint) -> Result<Exit, Failure> {
         files.extend(checked);
     }
     let nothing = Sources::default();
-    let more = problems.into_iter().map(|problem| Located {
-        finding: Finding { help: problem.help, ..Finding::error("unreadable-file", Origin::Made, problem.message) },
-        sources: &nothing,
-        prefix: "",
-    });
+    let more =
+        problems.into_iter().map(|problem| Located { finding: problem.into_finding(), sources: &nothing, prefix: "" });
     if command.diff {
         let (exit, counts) = counted(&files, more.collect());
         terminal::say(&format!("{}; then {}", tally.words("would be fixed"), counts.words()));

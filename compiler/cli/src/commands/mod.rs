@@ -48,6 +48,7 @@ fn format_of(command: &Command) -> Format {
     match command {
         Command::Build(command) => command.findings.format,
         Command::Lint(command) => command.findings.format,
+        Command::Fmt(command) => command.format,
         Command::Similar(command) => command.findings.format,
         Command::Emit(command) => command.findings.format,
         Command::Render(command) => command.findings.format,
@@ -56,6 +57,6 @@ fn format_of(command: &Command) -> Format {
             RenderersAction::List { format } => format,
             RenderersAction::Install { .. } => Format::Human,
         },
-        Command::Fmt(_) | Command::Explain(_) | Command::Manual(_) | Command::Completions { .. } => Format::Human,
+        Command::Explain(_) | Command::Manual(_) | Command::Completions { .. } => Format::Human,
     }
 }

@@ -7,7 +7,7 @@ mod sarif;
 use std::io::Write;
 use std::process::ExitCode;
 
-use ltsc_core::diag::{Finding, Severity};
+use ltsc_core::diag::{Finding, Origin, Severity};
 use serde_json::{Value, json};
 
 use crate::args::Format;
@@ -82,6 +82,12 @@ impl Failure {
     pub fn help(mut self, text: impl Into<String>) -> Self {
         self.help = Some(text.into());
         self
+    }
+
+    /// The same as a finding among others.
+    pub fn into_finding(self) -> Finding {
+        let id = if self.exit == Exit::Fault { ltsc_core::pipeline::FAULT } else { "unreadable-file" };
+        Finding { help: self.help, ..Finding::error(id, Origin::Made, self.message) }
     }
 
     /// What programs read in place of the answer; nothing for forms that people read.

@@ -176,6 +176,10 @@ pub const CODES: &[Code] = &[
     ),
     code("type-mismatch", "A value has another type than its place asks for."),
     code(
+        "unformatted",
+        "A file has not its canonical form.\n`ltsc fmt` writes it: layout changes, comments, numbers and meaning stay.",
+    ),
+    code(
         "unknown-argument",
         "A constructor has no such argument, or it is given without its label.\n`ltsc explain NAME` shows the arguments of a constructor.",
     ),

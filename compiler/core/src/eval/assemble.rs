@@ -258,7 +258,7 @@ impl Builder {
                 (Some(material), _) => (self.material(material, name), None),
                 (None, Some(emission)) => {
                     let over = emission.over.as_ref().map(|over| self.material(over, name));
-                    (over.unwrap_or_else(|| self.black(*span)), Some(Emission { radiance: emission.radiance }))
+                    (over.unwrap_or_else(|| self.black(*span)), Some(Emission { radiance: emission.radiance.clone() }))
                 }
                 (None, None) => continue,
             };
@@ -327,12 +327,12 @@ fn place_lights(placed: &mut Arena<LightSource>, lights: &[Lit], instances: &[Pl
     for Lit { name, span, kind } in lights {
         let kind = match kind {
             LightKind::Point { position, intensity } => {
-                LightKind::Point { position: map.point(*position), intensity: *intensity }
+                LightKind::Point { position: map.point(*position), intensity: intensity.clone() }
             }
             LightKind::Spot { position, target, intensity, angle, inner } => LightKind::Spot {
                 position: map.point(*position),
                 target: map.point(*target),
-                intensity: *intensity,
+                intensity: intensity.clone(),
                 angle: *angle,
                 inner: *inner,
             },

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use crate::ir::Color;
+use crate::ir::{Color, Meaning, Spectrum};
 use crate::syntax::{Binary, Unary};
 
 /// The most parts of values that are compared.
@@ -114,7 +114,11 @@ fn compare(left: &Value, right: &Value, left_over: &mut usize) -> Option<bool> {
         (Value::String(a), Value::String(b)) => Some(a == b),
         (Value::Vector(a), Value::Vector(b)) => (a.len() == b.len()).then(|| a == b),
         (Value::Range(a, b), Value::Range(c, d)) => Some(a == c && b == d),
-        (Value::Color(a), Value::Color(b)) => Some(a.rgb() == b.rgb()),
+        (Value::Color(a), Value::Color(b)) => Some(match (a.spectrum(), b.spectrum()) {
+            (Some(a), Some(b)) => a.points() == b.points(),
+            (None, None) => a.rgb() == b.rgb(),
+            (Some(_), None) | (None, Some(_)) => false,
+        }),
         (Value::List(a), Value::List(b)) | (Value::Tuple(a), Value::Tuple(b)) => {
             if a.len() != b.len() {
                 return Some(false);
@@ -152,6 +156,21 @@ fn sum(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wrong> {
             let parts: Result<Rc<[f64]>, Wrong> = a.iter().zip(b.iter()).map(|(a, b)| apply(*a, *b)).collect();
             Ok(Value::Vector(parts?))
         }
+        (Value::Color(a), Value::Color(b)) if a.spectrum().is_some() || b.spectrum().is_some() => {
+            let (Some(a), Some(b)) = (a.spectrum(), b.spectrum()) else {
+                return wrong_help(
+                    "a spectrum and an RGB colour have no sum",
+                    "write both as `spectrum(...)`, or both as `rgb(...)`",
+                );
+            };
+            let mut wavelengths: Vec<f64> =
+                a.points().iter().chain(b.points()).map(|(wavelength, _)| *wavelength).collect();
+            wavelengths.sort_by(f64::total_cmp);
+            wavelengths.dedup();
+            let point = |wavelength: f64| Ok((wavelength, apply(a.value(wavelength), b.value(wavelength))?));
+            let points: Result<Vec<(f64, f64)>, Wrong> = wavelengths.into_iter().map(point).collect();
+            Ok(Value::Color(Color::Spectrum(Spectrum::new(&points?, Meaning::Share))))
+        }
         (Value::Color(a), Value::Color(b)) => {
             let (a, b) = (a.rgb(), b.rgb());
             Ok(Value::Color(Color::Rgb([apply(a[0], b[0])?, apply(a[1], b[1])?, apply(a[2], b[2])?])))
@@ -172,6 +191,7 @@ fn product(left: &Value, right: &Value) -> Result<Value, Wrong> {
         (Value::Number(a), Value::Color(b)) | (Value::Color(b), Value::Number(a)) => Ok(Value::Color(match b {
             Color::Grey(grey) => Color::Grey(apply(*a, *grey)?),
             Color::Rgb([r, g, b]) => Color::Rgb([apply(*a, *r)?, apply(*a, *g)?, apply(*a, *b)?]),
+            Color::Spectrum(spectrum) => scaled(spectrum, |value| apply(*a, value))?,
         })),
         (Value::Vector(_), Value::Vector(_)) => wrong_help(
             "`*` does not apply to two vectors",
@@ -179,6 +199,13 @@ fn product(left: &Value, right: &Value) -> Result<Value, Wrong> {
         ),
         _ => mismatch(Binary::Multiply, left, right),
     }
+}
+
+/// A spectrum whose values are changed.
+fn scaled(spectrum: &Spectrum, change: impl Fn(f64) -> Result<f64, Wrong>) -> Result<Color, Wrong> {
+    let point = |(wavelength, value): &(f64, f64)| Ok((*wavelength, change(*value)?));
+    let points: Result<Vec<(f64, f64)>, Wrong> = spectrum.points().iter().map(point).collect();
+    Ok(Color::Spectrum(Spectrum::new(&points?, Meaning::Share)))
 }
 
 fn quotient(left: &Value, right: &Value) -> Result<Value, Wrong> {
@@ -193,6 +220,7 @@ fn quotient(left: &Value, right: &Value) -> Result<Value, Wrong> {
         (Value::Color(a), Value::Number(b)) => Ok(Value::Color(match a {
             Color::Grey(grey) => Color::Grey(apply(*grey, *b)?),
             Color::Rgb([x, y, z]) => Color::Rgb([apply(*x, *b)?, apply(*y, *b)?, apply(*z, *b)?]),
+            Color::Spectrum(spectrum) => scaled(spectrum, |value| apply(value, *b))?,
         })),
         _ => mismatch(Binary::Divide, left, right),
     }

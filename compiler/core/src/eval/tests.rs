@@ -173,7 +173,7 @@ fn tables_are_lists_of_lists() {
     let positions: Vec<_> = found
         .iter()
         .map(|light| match &light.kind {
-            LightKind::Point { position, intensity } => (*position, *intensity),
+            LightKind::Point { position, intensity } => (*position, intensity.clone()),
             other => panic!("{other:?}"),
         })
         .collect();

@@ -20,7 +20,7 @@ fn edit(span: Span, text: impl Into<String>) -> Edit {
 pub fn facet_emitter(place: &Place<'_>) -> Option<Fix> {
     let emitter =
         |statement: &Statement| matches!(statement.kind, StatementKind::Declaration { kind: Kind::Emitter, .. });
-    let statement = tree::statement(place.tree, place.span, emitter)?;
+    let statement = tree::statement(place.tree(), place.span, emitter)?;
     let StatementKind::Declaration { kind: _, name: _, params: None, value, with: Some(_) } = &statement.kind else {
         return None;
     };
@@ -57,7 +57,7 @@ pub fn add_version(place: &Place<'_>) -> Option<Fix> {
 
 /// The ends of an interval of plain numbers in their order. A loop that runs backwards is another matter: it may mean `reverse`.
 pub fn swap_interval(place: &Place<'_>) -> Option<Fix> {
-    let argument = tree::argument(place.tree, place.span)?;
+    let argument = tree::argument(place.tree(), place.span)?;
     let ExprKind::Binary(Binary::Range, _, ends) = &argument.kind else { return None };
     let (Some(low), Some(high)) = (plain(&ends.0), plain(&ends.1)) else { return None };
     if low <= high {
@@ -77,7 +77,7 @@ fn plain(expr: &Expr) -> Option<f64> {
 
 /// The smallest width that renderers agree on.
 pub fn clamp_alpha(place: &Place<'_>) -> Option<Fix> {
-    let ExprKind::Call(call) = &tree::expr(place.tree, place.span)?.kind else { return None };
+    let ExprKind::Call(call) = &tree::expr(place.tree(), place.span)?.kind else { return None };
     let alpha = call.args.iter().find(|arg| arg.label.as_ref().is_some_and(|label| label.text == "alpha"))?;
     let ExprKind::Number(value) = alpha.value.kind else { return None };
     if value <= 0.0 {
@@ -89,8 +89,8 @@ pub fn clamp_alpha(place: &Place<'_>) -> Option<Fix> {
 /// A suppression of nothing, with its line. One that stands before nothing may belong elsewhere, and stays.
 pub fn remove_allow(place: &Place<'_>) -> Option<Fix> {
     let is = |statement: &Statement| matches!(statement.kind, StatementKind::Allow { .. });
-    let statement = tree::statement(place.tree, place.span, is)?;
-    let last = place.tree.statements.iter().rev().find(|statement| !is(statement))?;
+    let statement = tree::statement(place.tree(), place.span, is)?;
+    let last = place.tree().statements.iter().rev().find(|statement| !is(statement))?;
     if statement.span.start > last.span.start {
         return None;
     }
@@ -100,7 +100,7 @@ pub fn remove_allow(place: &Place<'_>) -> Option<Fix> {
 /// A name of `use` that is not used: out of the list, or the statement where it is the only one.
 pub fn remove_used_name(place: &Place<'_>) -> Option<Fix> {
     let is = |statement: &Statement| matches!(statement.kind, StatementKind::Use { .. });
-    let statement = tree::statement(place.tree, place.span, is)?;
+    let statement = tree::statement(place.tree(), place.span, is)?;
     let StatementKind::Use { names, path: _ } = &statement.kind else { return None };
     let whole = |(name, alias): &(Name, Option<Name>)| match alias {
         Some(alias) => name.span.to(alias.span),

@@ -6,6 +6,7 @@
 mod makers;
 mod tree;
 
+use std::cell::OnceCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diag::{Edit, FileId, Finding, Fix, Severity, Sources, Span};
@@ -17,11 +18,16 @@ struct Place<'a> {
     span: Span,
     /// The text of its file.
     text: &'a str,
-    /// The file's statements.
-    tree: &'a Tree,
+    /// The file's statements, once they were asked for.
+    parsed: &'a OnceCell<Tree>,
 }
 
 impl Place<'_> {
+    /// The file's statements.
+    fn tree(&self) -> &Tree {
+        self.parsed.get_or_init(|| syntax::parse(self.span.file, self.text).0)
+    }
+
     /// The text of a range.
     fn text_of(&self, span: Span) -> &str {
         self.text.get(span.start as usize..span.end as usize).unwrap_or_default()
@@ -53,13 +59,13 @@ pub fn codes() -> impl Iterator<Item = &'static str> {
 
 /// Gives findings in texts their fixes.
 pub fn propose(findings: &mut [Finding], sources: &Sources) {
-    let mut trees: BTreeMap<FileId, Tree> = BTreeMap::new();
+    let mut trees: BTreeMap<FileId, OnceCell<Tree>> = BTreeMap::new();
     for finding in findings.iter_mut().filter(|finding| finding.severity > Severity::Allow) {
         let Some((_, maker)) = MAKERS.iter().find(|(id, _)| *id == finding.id) else { continue };
         let Some(span) = finding.origin.span() else { continue };
         let text: &str = &sources.get(span.file).text;
-        let tree = trees.entry(span.file).or_insert_with(|| syntax::parse(span.file, text).0);
-        finding.fix = maker(&Place { span, text, tree });
+        let parsed = trees.entry(span.file).or_default();
+        finding.fix = maker(&Place { span, text, parsed });
     }
 }
 
@@ -75,33 +81,31 @@ pub struct Applied {
 /// Writes fixes into the text of `file`, in their order; one that touches what another changes waits for the next round, and one
 /// that reaches into another file is left out. Two that are equal are one.
 pub fn apply<'f>(text: &str, file: FileId, fixes: impl Iterator<Item = &'f Fix>) -> Applied {
-    let mut taken: Vec<&Edit> = Vec::new();
+    // By their starts; no two of them touch.
+    let mut taken: BTreeMap<u32, &Edit> = BTreeMap::new();
     let mut count = 0;
     let mut seen = BTreeSet::new();
     for fix in fixes {
         let here = fix.edits.iter().all(|edit| edit.span.file == file && edit.span.end as usize <= text.len());
-        let clear = fix.edits.iter().all(|edit| taken.iter().all(|other| apart(edit.span, other.span)));
-        if !here || fix.edits.is_empty() || !clear || !seen.insert(&fix.edits) {
+        // What touches may need a separator that neither has.
+        let clear = |edit: &Edit| {
+            taken.range(..=edit.span.end).next_back().is_none_or(|(_, last)| last.span.end < edit.span.start)
+        };
+        if !here || fix.edits.is_empty() || !fix.edits.iter().all(clear) || !seen.insert(&fix.edits) {
             continue;
         }
-        taken.extend(&fix.edits);
+        taken.extend(fix.edits.iter().map(|edit| (edit.span.start, edit)));
         count += 1;
     }
-    taken.sort_by_key(|edit| edit.span);
     let mut out = String::with_capacity(text.len());
     let mut at = 0;
-    for edit in taken {
+    for edit in taken.into_values() {
         out.push_str(text.get(at..edit.span.start as usize).unwrap_or_default());
         out.push_str(&edit.text);
         at = edit.span.end as usize;
     }
     out.push_str(text.get(at..).unwrap_or_default());
     Applied { text: out, fixes: count }
-}
-
-/// Whether two ranges neither overlap nor touch: what touches may need a separator that neither has.
-fn apart(a: Span, b: Span) -> bool {
-    a.end < b.start || b.end < a.start
 }
 
 #[cfg(test)]

@@ -166,6 +166,18 @@ fn fixes_that_meet_wait_for_each_other() {
     assert_eq!((applied.text.as_str(), applied.fixes), ("<abdEf", 2));
 }
 
+#[test]
+fn many_fixes_are_one_round() {
+    let lamps: String = (0..2000)
+        .map(|at| format!("emitter b{at} = rectangle(x: 2..1, y: 0..1, z: {at}, normal: Z) with radiance(1)\n"))
+        .collect();
+    let text = format!("{HEADER}{lamps}");
+    let (findings, sources) = check(&text);
+    let file = sources.find("a.lts").expect("the text");
+    let applied = apply(&text, file, findings.iter().filter_map(|finding| finding.fix.as_ref()));
+    assert_eq!((applied.fixes, applied.text), (2001, format!("lts 1\n\n{}", text.replace("2..1", "1..2"))));
+}
+
 /// Statements that may stand in any order.
 fn statements() -> impl Strategy<Value = Vec<String>> {
     let cases = CASES

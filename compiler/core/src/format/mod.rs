@@ -15,7 +15,7 @@ mod expr;
 mod lex;
 mod statement;
 
-use crate::diag::{Finding, Severity, Sources};
+use crate::diag::{FileId, Finding, Severity, Sources, Span};
 use crate::syntax;
 
 use doc::{Doc, Printer};
@@ -45,6 +45,26 @@ pub fn format(sources: &mut Sources, path: &str, text: &str) -> Result<String, F
         None => Ok(made),
         Some(difference) => Err(FormatError::Fault(difference)),
     }
+}
+
+/// That the text of `file` has not its canonical form, which is `made`; the place is the first line that differs.
+pub fn unformatted(file: FileId, text: &str, made: &str) -> Finding {
+    let mut start = 0;
+    for (line, other) in text.split_inclusive('\n').zip(made.split_inclusive('\n')) {
+        if line != other {
+            break;
+        }
+        start += line.len();
+    }
+    let line = text[start..].lines().next().unwrap_or_default();
+    Finding::new(
+        "unformatted",
+        Severity::Deny,
+        Span::new(file, start, start + line.len()),
+        "the file has not its canonical form",
+    )
+    .label("the first line that differs")
+    .help("`ltsc fmt` writes it")
 }
 
 fn layout(text: &str) -> String {

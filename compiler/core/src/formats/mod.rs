@@ -67,6 +67,13 @@ pub static TARGETS: &[Target] = &[
 /// The grey that stands for a texture that a target cannot read.
 const STAND_IN: f64 = 0.5;
 
+/// What RGB targets answer to a spectrum.
+const RGB_ONLY: Support = Support::approximate(
+    "it computes with RGB: a spectrum becomes its colour under D65 (CIE 1931), as an emitter its own colour",
+    "exact for the first bounce of light like D65; each further product of colours differs, of saturated ones by up to 16 % of the \
+     largest channel (computed for reflectances whose smallest channel is a fifth of the largest)",
+);
+
 /// What every target answers to several cameras.
 const ONE_CAMERA: Support = Support::approximate(
     "a folder of a target holds one camera",

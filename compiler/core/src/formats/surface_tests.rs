@@ -4,7 +4,10 @@ use super::tests::{emitted, text};
 use super::*;
 use crate::diag::Origin;
 use crate::files::MemorySink;
-use crate::ir::{Bsdf, ColorOrTexture, Encoding, Handle, ImageFile, ImageFormat, ImageInfo, Texture};
+use crate::ir::{
+    Bsdf, Color, ColorOrTexture, Emission as Light, Encoding, Handle, ImageFile, ImageFormat, ImageInfo, LightKind,
+    LightSource, Meaning, Spectrum, Texture,
+};
 use shared::sample;
 
 /// A square whose color is an image of `format`, called "old oak".
@@ -133,4 +136,165 @@ fn an_image_that_a_target_cannot_read_is_a_grey_and_a_finding() {
         }
     }
     assert_eq!(lost, 1 + 3 + 5, "v4: linear JPEG; v3: JPEG twice and HDR; glTF: what is linear");
+}
+
+/// A square of `bsdf`, as `target` writes it, on one line.
+fn surface(target: &str, bsdf: Bsdf) -> String {
+    let mut scene = sample::empty("s");
+    square(&mut scene, bsdf);
+    all_text(target, scene).split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn plastic_in_every_target() {
+    let plastic = |alpha| Bsdf::Plastic { reflectance: Color::Grey(0.5).into(), ior: 1.5, alpha };
+    let xml = surface("mitsuba-3", plastic(0.1));
+    assert!(xml.contains("<bsdf type=\"twosided\" id=\"table\"> <bsdf type=\"roughplastic\">"), "{xml}");
+    for part in [
+        "\"alpha\" value=\"0.1\"",
+        "\"int_ior\" value=\"1.5\"",
+        "\"ext_ior\" value=\"1\"",
+        "\"nonlinear\" value=\"true\"",
+    ] {
+        assert!(xml.contains(part), "{part} in {xml}");
+    }
+    assert!(surface("mitsuba-3", plastic(0.0)).contains("<bsdf type=\"plastic\"> <rgb name=\"diffuse_reflectance\""));
+    assert!(surface("mitsuba-0.6", plastic(0.1)).contains("name=\"diffuseReflectance\" value=\"0.5, 0.5, 0.5\""));
+    let pbrt = surface("pbrt-v4", plastic(0.1));
+    assert!(
+        pbrt.contains(
+            "[\"coateddiffuse\"] \"rgb reflectance\" [0.5 0.5 0.5] \"float eta\" [1.5] \"float roughness\" [0.1]"
+        ),
+        "{pbrt}"
+    );
+    // 0.5 (1 - 0.5968) / (1 - 0.5 0.5968) is seen of the base, and 0.04 is the coat's.
+    let pbrt = surface("pbrt-v3", plastic(0.1));
+    let (_, rest) = pbrt.split_once("[\"substrate\"] \"rgb Kd\" [").expect("a substrate");
+    let seen: f64 = rest.split(' ').next().expect("a number").parse().expect("a number");
+    assert!((seen - 0.2873).abs() < 1e-3 && rest.contains("\"rgb Ks\" [0.04"), "{pbrt}");
+    let scn = surface("luxcore", plastic(0.1));
+    assert!(scn.contains("type = \"glossy2\"") && scn.contains("ks = 0.04") && scn.contains("kd = 0.287"), "{scn}");
+    let gltf = surface("gltf", plastic(0.25));
+    assert!(gltf.contains("\"roughnessFactor\": 0.5") && gltf.contains("\"ior\": 1.5"), "{gltf}");
+}
+
+#[test]
+fn principled_materials_in_every_target() {
+    let principled = |metallic| Bsdf::Principled { base: Color::Grey(0.5).into(), metallic, roughness: 0.5, ior: 1.5 };
+    let xml = surface("mitsuba-3", principled(0.25));
+    for part in
+        ["type=\"principled\"", "\"metallic\" value=\"0.25\"", "\"roughness\" value=\"0.5\"", "\"eta\" value=\"1.5\""]
+    {
+        assert!(xml.contains(part), "{part} in {xml}");
+    }
+    let xml = surface("mitsuba-0.6", principled(0.25));
+    assert!(
+        xml.contains("<bsdf type=\"blendbsdf\"> <float name=\"weight\" value=\"0.25\"/> <bsdf type=\"roughplastic\">"),
+        "{xml}"
+    );
+    assert!(xml.contains("<bsdf type=\"roughconductor\">") && xml.contains("\"alpha\" value=\"0.25\""), "{xml}");
+    assert!(xml.contains("name=\"nonlinear\" value=\"false\""));
+    assert_eq!(xml.matches("<bsdf ").count(), xml.matches("</bsdf>").count());
+    let metal = surface("mitsuba-0.6", principled(1.0));
+    assert!(!metal.contains("blendbsdf") && !metal.contains("plastic") && metal.contains("roughconductor"), "{metal}");
+    let plain = surface("mitsuba-0.6", principled(0.0));
+    assert!(!plain.contains("blendbsdf") && plain.contains("plastic") && !plain.contains("conductor"), "{plain}");
+    let pbrt = surface("pbrt-v4", principled(0.25));
+    assert!(pbrt.contains("\"string materials\" [\"table coat\" \"table metal\"] \"float amount\" [0.25]"), "{pbrt}");
+    // The base of which 0.5 is seen: 0.5 / (1 - 0.5968 + 0.5 0.5968).
+    assert!(pbrt.contains("\"table coat\" \"string type\" [\"coateddiffuse\"] \"rgb reflectance\" [0.712"), "{pbrt}");
+    assert!(pbrt.contains(
+        "\"table metal\" \"string type\" [\"conductor\"] \"rgb reflectance\" [0.5 0.5 0.5] \"float roughness\" [0.25]"
+    ));
+    assert!(!surface("pbrt-v4", principled(1.0)).contains("coateddiffuse"));
+    let pbrt = surface("pbrt-v3", principled(0.25));
+    assert!(
+        pbrt.contains("[\"disney\"] \"rgb color\" [0.5 0.5 0.5] \"float metallic\" [0.25] \"float roughness\" [0.5]"),
+        "{pbrt}"
+    );
+    let scn = surface("luxcore", principled(0.25));
+    assert!(
+        scn.contains("type = \"disney\"") && scn.contains("metallic = 0.25") && scn.contains("specular = 0.5"),
+        "{scn}"
+    );
+    let gltf = surface("gltf", principled(0.25));
+    assert!(gltf.contains("\"metallicFactor\": 0.25") && gltf.contains("\"roughnessFactor\": 0.5"), "{gltf}");
+}
+
+/// A texture under a coat takes the factor that is right for a grey of 0.5.
+#[test]
+fn textures_under_coats_are_scaled() {
+    let scene = |principled: bool| {
+        let mut scene = sample::empty("s");
+        let oak = ColorOrTexture::Texture(texture(&mut scene, "oak", ImageFormat::Png, Encoding::Srgb));
+        let bsdf = if principled {
+            Bsdf::Principled { base: oak, metallic: 0.0, roughness: 0.5, ior: 1.5 }
+        } else {
+            Bsdf::Plastic { reflectance: oak, ior: 1.5, alpha: 0.1 }
+        };
+        square(&mut scene, bsdf);
+        scene
+    };
+    let scn = all_text("luxcore", scene(false));
+    assert!(
+        scn.contains("scene.textures.table_base.texture1 = \"oak_image\"") && scn.contains("texture2 = 0.574"),
+        "{scn}"
+    );
+    assert!(scn.contains("scene.materials.table.kd = \"table_base\""), "{scn}");
+    let pbrt = all_text("pbrt-v3", scene(false));
+    assert!(
+        pbrt.contains("Texture \"table base\" \"spectrum\" \"scale\" \"texture tex1\" [\"oak\"] \"rgb tex2\" [0.574"),
+        "{pbrt}"
+    );
+    let pbrt = all_text("pbrt-v4", scene(true));
+    assert!(pbrt.contains("\"scale\" \"texture tex\" [\"oak\"] \"float scale\" [1.42"), "{pbrt}");
+    assert!(pbrt.contains("\"texture reflectance\" [\"table base\"]"), "{pbrt}");
+    assert!(
+        all_text("pbrt-v4", scene(false)).contains("\"texture reflectance\" [\"oak\"]"),
+        "v4 darkens the base itself"
+    );
+    let xml = all_text("mitsuba-0.6", scene(true));
+    assert!(xml.contains("<ref name=\"diffuseReflectance\" id=\"oak\"/>"), "{xml}");
+    let gltf: serde_json::Value = serde_json::from_str(&text(&emitted("gltf", scene(false)), "s.gltf")).expect("JSON");
+    let base = &gltf["materials"][0]["pbrMetallicRoughness"];
+    let factor = base["baseColorFactor"][0].as_f64().expect("a number");
+    assert!((factor - 0.5745).abs() < 1e-3 && base["baseColorTexture"]["index"] == 0, "{base}");
+}
+
+#[test]
+fn spectra_are_kept_by_one_target_and_are_rgb_for_the_others() {
+    let points = [(400.0, 0.2), (700.0, 0.6)];
+    let of = |meaning| Color::Spectrum(Spectrum::new(&points, meaning));
+    let scene = || {
+        let mut scene = sample::empty("s");
+        square(&mut scene, Bsdf::Diffuse { reflectance: of(Meaning::Share).into() });
+        for (_, shape) in scene.shapes.iter_mut() {
+            shape.emission = Some(Light { radiance: of(Meaning::Light) });
+        }
+        let kind = LightKind::Point { position: [0.0; 3], intensity: of(Meaning::Light) };
+        scene.lights.push(LightSource { name: "l".to_owned(), kind }, Origin::Made);
+        scene
+    };
+    let pbrt = all_text("pbrt-v4", scene());
+    // Constant beyond its ends, which pbrt would take for 0.
+    let samples = "[360 0.2 400 0.2 700 0.6 830 0.6]";
+    assert!(pbrt.contains(&format!("\"spectrum reflectance\" {samples}")), "{pbrt}");
+    let scale = of(Meaning::Light).spectrum().expect("a spectrum").luminance();
+    let light = |name: &str| format!("\"spectrum {name}\" {samples} \"float scale\" [{scale}]");
+    assert!(pbrt.contains(&light("L")) && pbrt.contains(&light("I")), "{pbrt}");
+    // The ramp has 0.4 in its middle, 550 nm, next to the eye's 555.
+    assert!((scale - 0.41).abs() < 0.01, "{scale}");
+    for target in TARGETS.iter().filter(|target| target.name != "pbrt-v4") {
+        let text = all_text(target.name, scene());
+        assert!(!text.contains("spectrum L") && !text.contains("spectrum reflectance"), "{}", target.name);
+        let asked = crate::capability::features(&scene());
+        assert!(asked.iter().any(|(feature, _)| *feature == Feature::Spectrum));
+        assert!(matches!((target.supports)(Feature::Spectrum), Support::Approximate { why: _, bound: _ }));
+    }
+    // Light and reflectance of one spectrum have different colours in RGB.
+    assert_ne!(of(Meaning::Light).rgb(), of(Meaning::Share).rgb());
+    let scn = text(&emitted("luxcore", scene()), "scene.scn");
+    let kd = scn.lines().find_map(|line| line.strip_prefix("scene.materials.table.kd = ")).expect("kd");
+    let emission = scn.lines().find_map(|line| line.split_once(".emission = ")).expect("an emission").1;
+    assert_ne!(kd, emission);
 }

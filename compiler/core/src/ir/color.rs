@@ -1,12 +1,16 @@
 //! Colours: a type that can grow; nothing outside it assumes three channels.
 
+use super::{Meaning, Spectrum};
+
 /// A reflectance, a radiance, or a spectral quantity such as an index of refraction.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Color {
     /// The same at every wavelength.
     Grey(f64),
     /// Linear red, green and blue with sRGB primaries.
     Rgb([f64; 3]),
+    /// Values at wavelengths.
+    Spectrum(Spectrum),
 }
 
 impl Color {
@@ -15,27 +19,51 @@ impl Color {
 
     /// Linear red, green and blue.
     pub fn rgb(&self) -> [f64; 3] {
-        match *self {
-            Self::Grey(value) => [value; 3],
-            Self::Rgb(rgb) => rgb,
+        match self {
+            Self::Grey(value) => [*value; 3],
+            Self::Rgb(rgb) => *rgb,
+            Self::Spectrum(spectrum) => spectrum.rgb(),
         }
     }
 
-    /// The largest channel.
+    /// The largest channel, or value at a wavelength.
     pub fn max(&self) -> f64 {
-        let [r, g, b] = self.rgb();
-        r.max(g).max(b)
+        self.values().into_iter().fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The smallest channel.
+    /// The smallest channel, or value at a wavelength.
     pub fn min(&self) -> f64 {
-        let [r, g, b] = self.rgb();
-        r.min(g).min(b)
+        self.values().into_iter().fold(f64::INFINITY, f64::min)
     }
 
-    /// Whether every channel is 0.
+    fn values(&self) -> Vec<f64> {
+        match self {
+            Self::Grey(value) => vec![*value],
+            Self::Rgb(rgb) => rgb.to_vec(),
+            Self::Spectrum(spectrum) => spectrum.points().iter().map(|(_, value)| *value).collect(),
+        }
+    }
+
+    /// The same for what it stands for: a spectrum becomes RGB in one way where it is light, and in another where it is not.
+    #[must_use]
+    pub fn meant(self, meaning: Meaning) -> Self {
+        match self {
+            Self::Spectrum(spectrum) => Self::Spectrum(Spectrum::new(spectrum.points(), meaning)),
+            other @ (Self::Grey(_) | Self::Rgb(_)) => other,
+        }
+    }
+
+    /// Its spectrum, if it is one.
+    pub fn spectrum(&self) -> Option<&Spectrum> {
+        match self {
+            Self::Spectrum(spectrum) => Some(spectrum),
+            Self::Grey(_) | Self::Rgb(_) => None,
+        }
+    }
+
+    /// Whether every channel is 0, or the value at every wavelength.
     pub fn is_black(&self) -> bool {
-        self.rgb() == [0.0; 3]
+        self.values().iter().all(|value| *value == 0.0)
     }
 
     /// Whether all channels are equal.

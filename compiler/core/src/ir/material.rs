@@ -11,7 +11,8 @@ pub struct Material {
     pub bsdf: Bsdf,
 }
 
-/// The four basic scattering functions. Diffuse, conductor and mirror scatter on both sides alike.
+/// Scattering functions: four basic ones, which renderers share, and two that each renderer has in a way of its own. All but the
+/// dielectric scatter on both sides alike.
 ///
 /// | | Mitsuba | PBRT v3 | PBRT v4 | LuxCore | glTF |
 /// |---|---|---|---|---|---|
@@ -19,6 +20,8 @@ pub struct Material {
 /// | `Conductor` | `twosided`, `roughconductor` ggx | `metal` | `conductor` | `metal2` | metallic 1, roughness sqrt(alpha) |
 /// | `Dielectric` | `dielectric`, `roughdielectric` ggx | `glass` | `dielectric` | `glass` | transmission, volume, ior |
 /// | `Mirror` | `twosided`, `conductor` none | `mirror` | `conductor` reflectance | `mirror` | metallic 1, roughness 0 |
+/// | `Plastic` | `twosided`, `plastic`, `roughplastic` ggx, nonlinear | `substrate` | `coateddiffuse` | `glossy2` | metallic 0, ior |
+/// | `Principled` | `twosided`, `principled`; 0.x a blend | `disney` | a mix | `disney` | metallic, roughness, ior |
 #[derive(Clone, Debug, PartialEq)]
 pub enum Bsdf {
     /// Lambertian reflection.
@@ -50,6 +53,28 @@ pub enum Bsdf {
         /// Share of light reflected, 0..1 per channel.
         reflectance: Color,
     },
+    /// A Lambertian base under a clear coat. Light that the coat throws back from inside meets the base again, so that what is
+    /// seen of the base is darker and more saturated than `reflectance`: Mitsuba's `plastic` and `roughplastic` with `nonlinear`.
+    Plastic {
+        /// Share of light that the base reflects, 0..1 per channel.
+        reflectance: ColorOrTexture,
+        /// Index of refraction of the coat against vacuum, > 1.
+        ior: f64,
+        /// GGX width of the coat, >= 0; 0 is smooth.
+        alpha: f64,
+    },
+    /// A blend of a coated base and a metal, made for artists: Mitsuba 3's `principled` with nothing else switched on, which
+    /// follows Burley, "Physically Based Shading at Disney" (2012).
+    Principled {
+        /// Color of the base, and of the metal head-on, 0..1 per channel.
+        base: ColorOrTexture,
+        /// From 0 (no metal) to 1 (metal only).
+        metallic: f64,
+        /// The root of the GGX width, 0..1.
+        roughness: f64,
+        /// Index of refraction of the coat against vacuum, > 1.
+        ior: f64,
+    },
 }
 
 impl Bsdf {
@@ -62,6 +87,8 @@ impl Bsdf {
             Self::Dielectric { interior: _, exterior: _, alpha } if *alpha == 0.0 => "smooth dielectric",
             Self::Dielectric { interior: _, exterior: _, alpha: _ } => "rough dielectric",
             Self::Mirror { reflectance: _ } => "mirror",
+            Self::Plastic { reflectance: _, ior: _, alpha: _ } => "plastic",
+            Self::Principled { base: _, metallic: _, roughness: _, ior: _ } => "principled",
         }
     }
 
@@ -70,16 +97,18 @@ impl Bsdf {
         match self {
             Self::Diffuse { reflectance } => reflectance.color().is_some_and(Color::is_black),
             Self::Mirror { reflectance } => reflectance.is_black(),
-            Self::Conductor { eta: _, k: _, alpha: _ } | Self::Dielectric { interior: _, exterior: _, alpha: _ } => {
-                false
-            }
+            Self::Conductor { eta: _, k: _, alpha: _ }
+            | Self::Dielectric { interior: _, exterior: _, alpha: _ }
+            | Self::Plastic { reflectance: _, ior: _, alpha: _ }
+            | Self::Principled { base: _, metallic: _, roughness: _, ior: _ } => false,
         }
     }
 
-    /// What may be a texture in it.
-    fn paint(&self) -> Option<&ColorOrTexture> {
+    /// The color that may be a texture.
+    pub fn paint(&self) -> Option<&ColorOrTexture> {
         match self {
-            Self::Diffuse { reflectance } => Some(reflectance),
+            Self::Diffuse { reflectance } | Self::Plastic { reflectance, ior: _, alpha: _ } => Some(reflectance),
+            Self::Principled { base, metallic: _, roughness: _, ior: _ } => Some(base),
             Self::Conductor { eta: _, k: _, alpha: _ }
             | Self::Dielectric { interior: _, exterior: _, alpha: _ }
             | Self::Mirror { reflectance: _ } => None,
@@ -95,11 +124,18 @@ impl Bsdf {
     #[must_use]
     pub fn with_texture(&self, texture: Handle<Texture>) -> Self {
         let changed = |paint: &ColorOrTexture| match paint {
-            ColorOrTexture::Color(color) => ColorOrTexture::Color(*color),
+            ColorOrTexture::Color(color) => ColorOrTexture::Color(color.clone()),
             ColorOrTexture::Texture(_) => ColorOrTexture::Texture(texture),
         };
         match self {
             Self::Diffuse { reflectance } => Self::Diffuse { reflectance: changed(reflectance) },
+            Self::Plastic { reflectance, ior, alpha } => {
+                Self::Plastic { reflectance: changed(reflectance), ior: *ior, alpha: *alpha }
+            }
+            Self::Principled { base, metallic, roughness, ior } => {
+                let (metallic, roughness, ior) = (*metallic, *roughness, *ior);
+                Self::Principled { base: changed(base), metallic, roughness, ior }
+            }
             Self::Conductor { eta: _, k: _, alpha: _ }
             | Self::Dielectric { interior: _, exterior: _, alpha: _ }
             | Self::Mirror { reflectance: _ } => self.clone(),

@@ -6,7 +6,7 @@
 //! |---|---|
 //! | coordinates | right-handed, z up, lengths in scene units; positions `f32`, everything else `f64` |
 //! | angles | degrees, because every text target spells degrees |
-//! | colours | linear, sRGB (Rec. 709) primaries, D65 white |
+//! | colours | linear, sRGB (Rec. 709) primaries, D65 white; or values at wavelengths in nanometres |
 //! | radiance | W/(m2 sr), leaving the surface on the side of its normals |
 //! | intensity | W/sr, of a point light |
 //! | irradiance | W/m2, of directional light on a surface across its direction |
@@ -24,6 +24,7 @@
 mod affine;
 mod arena;
 mod camera;
+mod cie;
 mod color;
 mod doc;
 mod group;
@@ -33,6 +34,7 @@ mod material;
 mod mesh;
 mod settings;
 mod shape;
+mod spectrum;
 mod texture;
 
 pub(crate) use affine::sin_cos_degrees;
@@ -48,6 +50,7 @@ pub use material::{Bsdf, Material};
 pub use mesh::Mesh;
 pub use settings::{Film, Filter, Integrator, Sampler};
 pub use shape::{Emission, Shape};
+pub use spectrum::{Meaning, Spectrum};
 pub use texture::{ColorOrTexture, Encoding, ImageFile, ImageFormat, ImageInfo, Texture};
 
 use crate::diag::Origin;

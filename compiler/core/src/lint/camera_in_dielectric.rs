@@ -26,7 +26,9 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
         Bsdf::Dielectric { interior: _, exterior: _, alpha: _ }
         | Bsdf::Diffuse { reflectance: _ }
         | Bsdf::Conductor { eta: _, k: _, alpha: _ }
-        | Bsdf::Mirror { reflectance: _ } => None,
+        | Bsdf::Mirror { reflectance: _ }
+        | Bsdf::Plastic { reflectance: _, ior: _, alpha: _ }
+        | Bsdf::Principled { base: _, metallic: _, roughness: _, ior: _ } => None,
     };
     for (origin, camera) in scene.cameras.entries() {
         let Some(frustum) = Frustum::of(camera, &scene.film) else { continue };

@@ -1,7 +1,7 @@
 //! Rule `far-from-origin`: details are large against their coordinates.
 #![doc = include_str!("far_from_origin.md")]
 
-use super::{Level, Report, Rule, Subject};
+use super::{Level, Report, Rule, Subject, short};
 use crate::ir::length;
 use crate::survey::Placed;
 
@@ -46,9 +46,4 @@ fn thickness(subject: &Subject<'_>, placed: &Placed<'_>) -> Option<f64> {
     let sides =
         own.size().into_iter().zip(columns).filter(|(side, _)| *side > flat).map(|(side, factor)| side * factor);
     sides.min_by(f64::total_cmp)
-}
-
-/// Two digits are enough for a length in a message.
-fn short(length: f64) -> f64 {
-    format!("{length:.1e}").parse().unwrap_or(length)
 }

@@ -7,8 +7,10 @@ mod camera_in_dielectric;
 mod camera_inside_mesh;
 mod dark_emitter;
 mod degenerate_triangles;
+mod dielectric_contact;
 mod duplicate_triangles;
 mod emitter_facing_away;
+mod emitter_in_wall;
 mod far_from_origin;
 mod flipped_normals;
 mod inside_out_dielectric;
@@ -22,17 +24,21 @@ mod mirroring_transform;
 mod misplaced_mesh;
 mod missing_normals;
 mod needless_triangles;
+mod non_basic_material;
 mod non_mesh_emitter;
 mod non_unit_normals;
 mod nothing_in_view;
 mod odd_field_of_view;
 mod one_sided_similar;
 mod open_dielectric;
+mod out_of_gamut;
 mod out_of_range_distance;
 mod outside_not_air;
+mod overlapping_faces;
 mod reflectance_over_one;
 mod rough_too_small;
 mod same_paths;
+mod saturated_albedo;
 mod smooth_emitter;
 mod undocumented_scene;
 mod unknown_similar;
@@ -43,10 +49,11 @@ mod unused_name;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
+use crate::contact::Contacts;
 use crate::diag::{CODES, Finding, Label, Origin, Severity, Span, nearest};
 use crate::ir::{Camera, Documentation, Handle, Mesh, Scene};
 use crate::mesh::{Faults, View, faults, is_closed};
-use crate::survey::Survey;
+use crate::survey::{Placed, Survey};
 
 /// What happens to the findings of a rule.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -142,6 +149,7 @@ struct Subject<'a> {
     faults: Vec<OnceCell<Faults>>,
     /// By mesh.
     closed: Vec<OnceCell<bool>>,
+    contacts: OnceCell<Contacts>,
 }
 
 impl<'a> Subject<'a> {
@@ -153,12 +161,24 @@ impl<'a> Subject<'a> {
             survey: OnceCell::new(),
             faults: vec![OnceCell::new(); meshes],
             closed: vec![OnceCell::new(); meshes],
+            contacts: OnceCell::new(),
         }
     }
 
     /// What lies where.
     fn survey(&self) -> &Survey<'a> {
         self.survey.get_or_init(|| Survey::of(self.scene))
+    }
+
+    /// Where surfaces lie in or next to each other.
+    fn contacts(&self) -> &Contacts {
+        self.contacts.get_or_init(|| Contacts::of(self.survey()))
+    }
+
+    /// The area of a use in the scene; under a transform that stretches, about that.
+    fn area(&self, placed: &Placed<'_>) -> f64 {
+        let scale = libm::cbrt(placed.transform.determinant().abs());
+        self.faults(placed.shape.mesh).area * scale * scale
     }
 
     /// Measures and faults of a mesh that is in the scene.
@@ -186,8 +206,10 @@ pub static RULES: &[Rule] = &[
     camera_inside_mesh::RULE,
     dark_emitter::RULE,
     degenerate_triangles::RULE,
+    dielectric_contact::RULE,
     duplicate_triangles::RULE,
     emitter_facing_away::RULE,
+    emitter_in_wall::RULE,
     far_from_origin::RULE,
     flipped_normals::RULE,
     inside_out_dielectric::RULE,
@@ -201,17 +223,21 @@ pub static RULES: &[Rule] = &[
     misplaced_mesh::RULE,
     missing_normals::RULE,
     needless_triangles::RULE,
+    non_basic_material::RULE,
     non_mesh_emitter::RULE,
     non_unit_normals::RULE,
     nothing_in_view::RULE,
     odd_field_of_view::RULE,
     one_sided_similar::RULE,
     open_dielectric::RULE,
+    out_of_gamut::RULE,
     out_of_range_distance::RULE,
     outside_not_air::RULE,
+    overlapping_faces::RULE,
     reflectance_over_one::RULE,
     rough_too_small::RULE,
     same_paths::RULE,
+    saturated_albedo::RULE,
     smooth_emitter::RULE,
     undocumented_scene::RULE,
     unknown_similar::RULE,
@@ -361,6 +387,11 @@ fn also(finding: &mut Finding, origin: &Origin, text: &str) {
     }
 }
 
+/// Two digits of a length are enough in a message.
+fn short(length: f64) -> f64 {
+    format!("{length:.1e}").parse().unwrap_or(length)
+}
+
 /// `1 triangle`, `2 triangles`.
 fn plural(count: usize, what: &str) -> String {
     if count == 1 { format!("1 {what}") } else { format!("{count} {what}s") }
@@ -369,6 +400,13 @@ fn plural(count: usize, what: &str) -> String {
 /// What messages call a camera.
 fn called(camera: &Camera) -> String {
     camera.name.as_ref().map_or_else(|| "the camera".to_owned(), |name| format!("the camera `{name}`"))
+}
+
+/// Adds a second place unless it is there.
+fn also_once(finding: &mut Finding, origin: &Origin, text: &str) {
+    if origin.span() != finding.origin.span() && finding.labels.iter().all(|label| Some(label.span) != origin.span()) {
+        also(finding, origin, text);
+    }
 }
 
 /// The rule called `id`.

@@ -17,7 +17,8 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
     let scene = subject.scene;
     for (handle, material) in scene.materials.iter() {
         let reflectance = match &material.bsdf {
-            Bsdf::Diffuse { reflectance } => reflectance.color(),
+            Bsdf::Diffuse { reflectance } | Bsdf::Plastic { reflectance, ior: _, alpha: _ } => reflectance.color(),
+            Bsdf::Principled { base, metallic: _, roughness: _, ior: _ } => base.color(),
             Bsdf::Mirror { reflectance } => Some(reflectance),
             Bsdf::Conductor { eta: _, k: _, alpha: _ } | Bsdf::Dielectric { interior: _, exterior: _, alpha: _ } => {
                 None

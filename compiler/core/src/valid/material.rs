@@ -16,6 +16,21 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
                 }
             }
             Bsdf::Mirror { reflectance } => checker.reflectance(reflectance),
+            Bsdf::Plastic { reflectance, ior, alpha } => {
+                if let Some(color) = reflectance.color() {
+                    checker.reflectance(color);
+                }
+                checker.number("index of refraction", *ior, "above 1", |x| x > 1.0);
+                checker.alpha(*alpha);
+            }
+            Bsdf::Principled { base, metallic, roughness, ior } => {
+                if let Some(color) = base.color() {
+                    checker.reflectance(color);
+                }
+                checker.number("metallic", *metallic, "between 0 and 1", |x| (0.0..=1.0).contains(&x));
+                checker.number("roughness", *roughness, "between 0 and 1", |x| (0.0..=1.0).contains(&x));
+                checker.number("index of refraction", *ior, "above 1", |x| x > 1.0);
+            }
             Bsdf::Conductor { eta, k, alpha } => {
                 checker.color("eta", eta, "positive", |x| x > 0.0);
                 checker.color("k", k, "0 or more", |x| x >= 0.0);

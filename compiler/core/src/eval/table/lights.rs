@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use crate::ir::{Color, LightKind, normalized};
+use crate::ir::{Color, LightKind, Meaning, normalized};
 
 use super::super::value::{Ty, Value};
 use super::{Args, Constructor, Family, Parameter, Problem};
@@ -136,7 +136,7 @@ fn light(kind: LightKind) -> Result<Value, Problem> {
 fn strength(args: &Args, name: &'static str) -> Result<Color, Problem> {
     let color = args.color(name).unwrap_or(Color::BLACK);
     if color.min() >= 0.0 {
-        return Ok(color);
+        return Ok(color.meant(Meaning::Light));
     }
     Err(Problem::new(name, format!("`{name}` must be at least 0 in every channel")))
 }

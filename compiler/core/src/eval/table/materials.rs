@@ -2,9 +2,10 @@
 
 use std::rc::Rc;
 
-use crate::ir::{Bsdf, Color, ColorOrTexture};
+use crate::ir::{Bsdf, Color, ColorOrTexture, Meaning, Spectrum};
 
 use super::super::value::{EmissionValue, MaterialValue, Ty, Value};
+use super::meshes::points;
 use super::{Args, Constructor, Family, Parameter, Problem, Site};
 
 pub(super) const ROWS: &[Constructor] = &[
@@ -39,8 +40,8 @@ pub(super) const ROWS: &[Constructor] = &[
         positional: 0,
         example: "material copper = conductor(\n    eta: rgb(0.200438, 0.924033, 1.102212),\n    k: rgb(3.912949, 2.452848, 2.142188),\n    alpha: 0.0625,\n)",
         build: |args, site| {
-            let eta = positive(args, "eta", false)?;
-            let k = positive(args, "k", true)?;
+            let eta = positive(args, "eta", false)?.meant(Meaning::Index);
+            let k = positive(args, "k", true)?.meant(Meaning::Index);
             material(site, Bsdf::Conductor { eta, k, alpha: alpha(args)? })
         },
     },
@@ -88,6 +89,65 @@ pub(super) const ROWS: &[Constructor] = &[
         build: |args, site| material(site, Bsdf::Mirror { reflectance: share(args, "reflectance")? }),
     },
     Constructor {
+        family: Family::Material,
+        name: "plastic",
+        summary: "A Lambertian base under a clear coat, the same on both sides; no two renderers have the same one.",
+        params: &[
+            Parameter {
+                name: "reflectance",
+                ty: Ty::ColorOrTexture,
+                default: None,
+                doc: "share of light that the base reflects, 0..1; seen through the coat it is darker",
+            },
+            Parameter {
+                name: "ior",
+                ty: Ty::Number,
+                default: Some("1.5"),
+                doc: "index of refraction of the coat, > 1",
+            },
+            Parameter {
+                name: "alpha",
+                ty: Ty::Number,
+                default: Some("0"),
+                doc: "GGX width of the coat, 0..1; 0 is smooth",
+            },
+        ],
+        positional: 1,
+        example: "material porcelain = plastic(rgb(0.9, 0.88, 0.85), ior: 1.5, alpha: 0.05)",
+        build: |args, site| {
+            let reflectance = paint(args, "reflectance")?;
+            material(site, Bsdf::Plastic { reflectance, ior: coat(args)?, alpha: alpha(args)? })
+        },
+    },
+    Constructor {
+        family: Family::Material,
+        name: "principled",
+        summary: "A blend of a coated base and a metal after Burley (2012), the same on both sides; no two renderers have the same one.",
+        params: &[
+            Parameter {
+                name: "base",
+                ty: Ty::ColorOrTexture,
+                default: None,
+                doc: "color of the base, and of the metal head-on, 0..1",
+            },
+            Parameter { name: "metallic", ty: Ty::Number, default: Some("0"), doc: "from 0 (none) to 1 (metal only)" },
+            Parameter { name: "roughness", ty: Ty::Number, default: Some("0.5"), doc: "root of the GGX width, 0..1" },
+            Parameter {
+                name: "ior",
+                ty: Ty::Number,
+                default: Some("1.5"),
+                doc: "index of refraction of the coat, > 1",
+            },
+        ],
+        positional: 1,
+        example: "material paint = principled(rgb(0.1, 0.2, 0.6), metallic: 0.3, roughness: 0.4)",
+        build: |args, site| {
+            let base = paint(args, "base")?;
+            let (metallic, roughness) = (unit(args, "metallic", 0.0)?, unit(args, "roughness", 0.5)?);
+            material(site, Bsdf::Principled { base, metallic, roughness, ior: coat(args)? })
+        },
+    },
+    Constructor {
         family: Family::Emission,
         name: "radiance",
         summary: "Diffuse emission along the normals, the same over the whole surface.",
@@ -107,7 +167,10 @@ pub(super) const ROWS: &[Constructor] = &[
                 Some(Value::Material(material)) => Some(Rc::clone(material)),
                 _ => None,
             };
-            Ok(Value::Emission(Rc::new(EmissionValue { radiance: positive(args, "value", true)?, over })))
+            Ok(Value::Emission(Rc::new(EmissionValue {
+                radiance: positive(args, "value", true)?.meant(Meaning::Light),
+                over,
+            })))
         },
     },
     Constructor {
@@ -146,7 +209,47 @@ pub(super) const ROWS: &[Constructor] = &[
             Ok(Value::Color(Color::Rgb([16, 8, 0].map(|shift| decode((code >> shift & 0xff) as u8)))))
         },
     },
+    Constructor {
+        family: Family::Color,
+        name: "spectrum",
+        summary: "Values at wavelengths, linear between them and constant beyond; RGB targets get the colour of it.",
+        params: &[Parameter {
+            name: "values",
+            ty: Ty::Points2,
+            default: None,
+            doc: "pairs (wavelength in nm, value), the wavelengths growing",
+        }],
+        positional: 1,
+        example: "let moss = spectrum([(400, 0.05), (550, 0.3), (700, 0.1)])",
+        build: |args, _| spectrum(args),
+    },
 ];
+
+/// Values at wavelengths: finite, in order, the first at least a nanometre above 0.
+fn spectrum(args: &Args) -> Result<Value, Problem> {
+    let points: Vec<(f64, f64)> = points::<2>(args, "values")
+        .unwrap_or_default()
+        .into_iter()
+        .map(|[wavelength, value]| (wavelength, value))
+        .collect();
+    let wrong = |message: String| {
+        Err(Problem::new("values", message)
+            .help("write for example `spectrum([(400, 0.1), (700, 0.6)])`, in nanometres"))
+    };
+    if points.len() < 2 {
+        return wrong("a spectrum has values at two wavelengths or more".to_owned());
+    }
+    if let Some((wavelength, _)) = points.iter().find(|(wavelength, _)| !(1.0..=1e6).contains(wavelength)) {
+        return wrong(format!("`{wavelength}` nm is no wavelength between 1 and 1000000"));
+    }
+    if let Some(pair) = points.windows(2).find(|pair| pair[0].0 >= pair[1].0) {
+        return wrong(format!("the wavelength {} stands behind {}: they must grow", pair[1].0, pair[0].0));
+    }
+    if points.iter().all(|(wavelength, _)| *wavelength < 20.0) {
+        return wrong("these wavelengths are below 20 nm: micrometres?".to_owned());
+    }
+    Ok(Value::Color(Color::Spectrum(Spectrum::new(&points, Meaning::Share))))
+}
 
 /// The sRGB transfer function of IEC 61966-2-1.
 fn decode(code: u8) -> f64 {
@@ -183,6 +286,25 @@ fn at_least(color: Color, name: &'static str, zero: bool) -> Result<Color, Probl
     }
     let least = if zero { "at least 0" } else { "greater than 0" };
     Err(Problem::new(name, format!("`{name}` must be {least} in every channel")))
+}
+
+/// The index of refraction of a coat.
+fn coat(args: &Args) -> Result<f64, Problem> {
+    let ior = args.number("ior").unwrap_or(1.5);
+    if ior > 1.0 {
+        return Ok(ior);
+    }
+    Err(Problem::new("ior", format!("`ior` is {ior}, it must be greater than 1"))
+        .note("it is that of the coat against the vacuum around it"))
+}
+
+/// A number between 0 and 1.
+fn unit(args: &Args, name: &'static str, default: f64) -> Result<f64, Problem> {
+    let value = args.number(name).unwrap_or(default);
+    if (0.0..=1.0).contains(&value) {
+        return Ok(value);
+    }
+    Err(Problem::new(name, format!("`{name}` is {value}, it must be between 0 and 1")))
 }
 
 fn alpha(args: &Args) -> Result<f64, Problem> {

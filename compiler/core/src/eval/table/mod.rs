@@ -214,14 +214,14 @@ impl Args {
 
     pub(super) fn color(&self, name: &str) -> Option<Color> {
         match self.get(name) {
-            Some(Value::Color(color)) => Some(*color),
+            Some(Value::Color(color)) => Some(color.clone()),
             _ => None,
         }
     }
 
     pub(super) fn color_or_texture(&self, name: &str) -> Option<ColorOrTexture> {
         match self.get(name) {
-            Some(Value::Color(color)) => Some(ColorOrTexture::Color(*color)),
+            Some(Value::Color(color)) => Some(ColorOrTexture::Color(color.clone())),
             Some(Value::Texture(texture)) => Some(ColorOrTexture::Texture(*texture)),
             _ => None,
         }

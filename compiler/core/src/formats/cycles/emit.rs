@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use super::names::{self, literal};
 use crate::files::Sink;
 use crate::formats::shared::camera;
+use crate::formats::shared::coat::{self, Coat, Mapped};
 use crate::formats::shared::names::Words;
 use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Line};
@@ -168,7 +169,23 @@ fn surface(bsdf: &Bsdf, textures: &[String]) -> String {
             format!("dielectric(interior={}, exterior={}, alpha={})", Num(*interior), Num(*exterior), Num(*alpha))
         }
         Bsdf::Mirror { reflectance } => format!("mirror({})", rgb(reflectance)),
+        Bsdf::Plastic { reflectance, ior, alpha } => {
+            // Blender's coat does not darken its base: what is seen of a color is written.
+            let base = match coat::mapped(reflectance, |share| Coat::new(*ior).seen(share)) {
+                Mapped::Color(color) => rgb(&color),
+                Mapped::Texture(_, _) => paint(reflectance, textures),
+            };
+            principled(&base, 0.0, alpha.sqrt(), *ior)
+        }
+        Bsdf::Principled { base, metallic, roughness, ior } => {
+            principled(&paint(base, textures), *metallic, *roughness, *ior)
+        }
     }
+}
+
+fn principled(base: &str, metallic: f64, roughness: f64, ior: f64) -> String {
+    let (metallic, roughness, ior) = (Num(metallic), Num(roughness), Num(ior));
+    format!("principled({base}, metallic={metallic}, roughness={roughness}, ior={ior})")
 }
 
 fn light_source(light: &LightSource, out: &mut dyn Write) -> io::Result<()> {

@@ -76,6 +76,19 @@ fn supports(feature: Feature) -> Support {
             "the edge of Cycles' spot is a smooth step of its own",
             "the same within the inner cone and outside of the outer one",
         ),
+        Feature::Plastic => Support::approximate(
+            "Blender's principled material does not darken its base: what is seen of the base is written instead",
+            "not measured; exact for the coat's reflectance head-on and for the base in all directions but grazing ones",
+        ),
+        Feature::TexturedPlastic => Support::approximate(
+            "Blender's principled material does not darken its base, and the texture is written as it is",
+            "for an index of 1.5 seen 0.2 instead of 0.09 for a base of 0.2, 0.5 instead of 0.29, 0.8 instead of 0.62 (computed)",
+        ),
+        Feature::Principled | Feature::TexturedPrincipled => Support::approximate(
+            "the base of Blender's principled material is Lambertian, and its coat is weighed by its albedo",
+            "not measured; `roughness`, `metallic` and `ior` mean the same",
+        ),
+        Feature::Spectrum => super::RGB_ONLY,
         Feature::SeveralCameras => super::ONE_CAMERA,
         Feature::BoxFilter => Support::approximate(
             "Cycles' filters are at most 10 pixels wide",

@@ -8,6 +8,7 @@ use super::document as doc;
 use super::names;
 use crate::files::Sink;
 use crate::formats::shared::camera;
+use crate::formats::shared::coat::{self, Coat, Mapped};
 use crate::formats::shared::names::file_stem;
 use crate::formats::shared::text::{self, Head};
 use crate::formats::{self, Emission};
@@ -268,6 +269,23 @@ fn made_material(scene: &Scene, material: &Material, emission: Option<&Light>, t
             (opaque([1.0; 3], 0.0, names::roughness(*alpha)), false)
         }
         Bsdf::Mirror { reflectance } => (opaque(reflectance.rgb(), 1.0, 0.0), true),
+        Bsdf::Plastic { reflectance, ior, alpha } => {
+            extensions.ior = Some(doc::Ior { ior: names::ior(*ior, 1.0) });
+            // glTF's coat does not darken its base: what is seen of the base is written.
+            let (factor, base_color_texture) = match coat::mapped(reflectance, |share| Coat::new(*ior).seen(share)) {
+                Mapped::Color(color) => (color.rgb(), None),
+                Mapped::Texture(_, scale) => {
+                    let (factor, texture) = paint(scene, reflectance);
+                    (factor.map(|x| x * scale), texture)
+                }
+            };
+            (doc::Metallic { base_color_texture, ..opaque(factor, 0.0, names::roughness(*alpha)) }, true)
+        }
+        Bsdf::Principled { base, metallic, roughness, ior } => {
+            extensions.ior = Some(doc::Ior { ior: names::ior(*ior, 1.0) });
+            let (factor, base_color_texture) = paint(scene, base);
+            (doc::Metallic { base_color_texture, ..opaque(factor, *metallic, *roughness) }, true)
+        }
     };
     let mut emissive_factor = None;
     if let Some(Light { radiance }) = emission {

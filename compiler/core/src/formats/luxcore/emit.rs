@@ -7,6 +7,7 @@ use std::io::{self, Write};
 use super::names;
 use crate::files::Sink;
 use crate::formats::shared::camera;
+use crate::formats::shared::coat::{self, Coat, Mapped};
 use crate::formats::shared::names::{Words, file_stem};
 use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Line, Quoted};
@@ -249,6 +250,37 @@ fn material(bsdf: &Bsdf, id: &str, textures: &[String], out: &mut dyn Write) -> 
         Bsdf::Mirror { reflectance } => {
             put("type", "\"mirror\"")?;
             put("kr", &rgb(reflectance))
+        }
+        Bsdf::Plastic { reflectance, ior, alpha } => {
+            // Its coat does not darken the base: what is seen of the base is written.
+            let base = match coat::mapped(reflectance, |share| Coat::new(*ior).seen(share)) {
+                Mapped::Color(color) => rgb(&color),
+                Mapped::Texture(texture, factor) => {
+                    let mut put =
+                        |name: &str, value: &str| set(out, &format!("scene.textures.{id}_base.{name}"), value);
+                    put("type", "\"scale\"")?;
+                    put("texture1", &format!("\"{}\"", textures[texture.index()]))?;
+                    put("texture2", &row(&[factor; 3]))?;
+                    format!("\"{id}_base\"")
+                }
+            };
+            let mut put = |name: &str, value: &str| set(out, &format!("scene.materials.{id}.{name}"), value);
+            put("type", "\"glossy2\"")?;
+            put("kd", &base)?;
+            put("ks", &row(&[coat::normal_reflectance(*ior); 3]))?;
+            put("uroughness", &Num(*alpha).to_string())?;
+            put("vroughness", &Num(*alpha).to_string())?;
+            put("multibounce", "0")
+        }
+        Bsdf::Principled { base, metallic, roughness, ior } => {
+            put("type", "\"disney\"")?;
+            put("basecolor", &paint(base, textures))?;
+            put("metallic", &Num(*metallic).to_string())?;
+            put("roughness", &Num(*roughness).to_string())?;
+            put("specular", &Num(names::specular(*ior)).to_string())?;
+            ["speculartint", "subsurface", "sheen", "sheentint", "clearcoat", "clearcoatgloss", "anisotropic"]
+                .into_iter()
+                .try_for_each(|name| put(name, "0"))
         }
     }
 }

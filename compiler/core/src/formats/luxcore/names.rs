@@ -2,6 +2,7 @@
 //!
 //! Measured with pyluxcore 2.11.2 where it says so, else read in LuxCore's source (`src/slg/scene/parse*.cpp`).
 
+use crate::formats::shared::coat;
 use crate::ir::{Encoding, Film};
 
 /// The screen window that goes with a `fieldofview` along the image's width: `left right bottom top`.
@@ -72,6 +73,11 @@ colorspaces:
     name: srgb
     to_scene_reference: !<ExponentWithLinearTransform> {gamma: 2.4, offset: 0.055, direction: forward}
 ";
+
+/// `specular` of `disney`: the reflectance head-on is 0.08 times this, and it is at most 1 (`disney.cpp`).
+pub fn specular(ior: f64) -> f64 {
+    (coat::normal_reflectance(ior) / 0.08).min(1.0)
+}
 
 /// Settings that every scene has, with the reason of each.
 pub const FIXED: &[(&str, &str)] = &[

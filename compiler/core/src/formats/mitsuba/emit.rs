@@ -383,7 +383,90 @@ fn material(names: &Names, bsdf: &Bsdf, id: &str, textures: &[String], out: &mut
             rgb(out, 3, names.specular_reflectance, reflectance)?;
             close_twosided(out)
         }
+        Bsdf::Plastic { reflectance, ior, alpha } => {
+            writeln!(out, "\t<bsdf type=\"twosided\" id=\"{id}\">")?;
+            plastic(names, 2, reflectance, (*ior, *alpha), true, textures, out)?;
+            writeln!(out, "\t</bsdf>")
+        }
+        Bsdf::Principled { base, metallic, roughness, ior } if names.principled => {
+            open_twosided(id, "principled", out)?;
+            paint(out, 3, "base_color", base, textures)?;
+            float(out, 3, "metallic", *metallic)?;
+            float(out, 3, "roughness", *roughness)?;
+            float(out, 3, "eta", *ior)?;
+            close_twosided(out)
+        }
+        Bsdf::Principled { base, metallic, roughness, ior } => {
+            writeln!(out, "\t<bsdf type=\"twosided\" id=\"{id}\">")?;
+            blend(names, base, (*metallic, roughness * roughness, *ior), textures, out)?;
+            writeln!(out, "\t</bsdf>")
+        }
     }
+}
+
+/// A base under a coat; `nonlinear` where light that the coat throws back takes the base's color again.
+fn plastic(
+    names: &Names,
+    depth: usize,
+    reflectance: &ColorOrTexture,
+    (ior, alpha): (f64, f64),
+    nonlinear: bool,
+    textures: &[String],
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    indent(out, depth)?;
+    if alpha == 0.0 {
+        writeln!(out, "<bsdf type=\"plastic\">")?;
+    } else {
+        writeln!(out, "<bsdf type=\"roughplastic\">")?;
+        string(out, depth + 1, "distribution", "ggx")?;
+        float(out, depth + 1, "alpha", alpha)?;
+    }
+    paint(out, depth + 1, names.diffuse_reflectance, reflectance, textures)?;
+    float(out, depth + 1, names.int_ior, ior)?;
+    float(out, depth + 1, names.ext_ior, 1.0)?;
+    indent(out, depth + 1)?;
+    writeln!(out, "<boolean name=\"nonlinear\" value=\"{nonlinear}\"/>")?;
+    indent(out, depth)?;
+    writeln!(out, "</bsdf>")
+}
+
+/// What stands for a principled material where there is none: a blend of plastic, whose base is not darkened, and of a metal
+/// without a Fresnel term.
+fn blend(
+    names: &Names,
+    base: &ColorOrTexture,
+    (metallic, alpha, ior): (f64, f64, f64),
+    textures: &[String],
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let mixed = metallic > 0.0 && metallic < 1.0;
+    let depth = if mixed { 3 } else { 2 };
+    if mixed {
+        writeln!(out, "\t\t<bsdf type=\"blendbsdf\">")?;
+        float(out, 3, "weight", metallic)?;
+    }
+    if metallic < 1.0 {
+        plastic(names, depth, base, (ior, alpha), false, textures, out)?;
+    }
+    if metallic > 0.0 {
+        indent(out, depth)?;
+        if alpha == 0.0 {
+            writeln!(out, "<bsdf type=\"conductor\">")?;
+        } else {
+            writeln!(out, "<bsdf type=\"roughconductor\">")?;
+            string(out, depth + 1, "distribution", "ggx")?;
+            float(out, depth + 1, "alpha", alpha)?;
+        }
+        string(out, depth + 1, "material", "none")?;
+        paint(out, depth + 1, names.specular_reflectance, base, textures)?;
+        indent(out, depth)?;
+        writeln!(out, "</bsdf>")?;
+    }
+    if mixed {
+        writeln!(out, "\t\t</bsdf>")?;
+    }
+    Ok(())
 }
 
 /// Reflecting surfaces are black from behind unless they are wrapped.

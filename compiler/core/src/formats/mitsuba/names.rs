@@ -91,6 +91,10 @@ pub struct Names {
     /// Conductor: index of refraction of the surroundings; 0.x takes that of air, 1.000277, unless told otherwise, 3
     /// has no such parameter.
     pub ext_eta: Option<&'static str>,
+    /// Plastic: the base.
+    pub diffuse_reflectance: &'static str,
+    /// Whether there is a plugin `principled` (3).
+    pub principled: bool,
     /// Conductor: factor of the reflectance.
     pub specular_reflectance: &'static str,
     /// Spot: half of the cone's opening, and of the part of full intensity, in degrees (`m_cosCutoffAngle` and
@@ -125,6 +129,8 @@ static CAMEL: Names = Names {
     int_ior: "intIOR",
     ext_ior: "extIOR",
     ext_eta: Some("extEta"),
+    diffuse_reflectance: "diffuseReflectance",
+    principled: false,
     specular_reflectance: "specularReflectance",
     spot: ("cutoffAngle", "beamWidth"),
     filter_type: ("filterType", "ewa"),
@@ -150,6 +156,8 @@ static SNAKE: Names = Names {
     int_ior: "int_ior",
     ext_ior: "ext_ior",
     ext_eta: None,
+    diffuse_reflectance: "diffuse_reflectance",
+    principled: true,
     specular_reflectance: "specular_reflectance",
     spot: ("cutoff_angle", "beam_width"),
     filter_type: ("filter_type", "bilinear"),

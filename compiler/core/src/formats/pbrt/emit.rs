@@ -8,6 +8,7 @@ use std::io::{self, Write};
 use super::names::{self, Version};
 use crate::files::Sink;
 use crate::formats::shared::camera;
+use crate::formats::shared::coat::{self, Coat, Mapped};
 use crate::formats::shared::names::{Words, file_stem};
 use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Line, Quoted};
@@ -155,7 +156,7 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
         placed(transform, out)?;
         writeln!(out, "\tNamedMaterial \"{}\"", materials[material.index()])?;
         if let Some(Light { radiance }) = emission {
-            writeln!(out, "\tAreaLightSource \"diffuse\" \"rgb L\" [{}]", rgb(radiance))?;
+            writeln!(out, "\tAreaLightSource \"diffuse\" {}", light_color(version, "L", radiance))?;
         }
         writeln!(out, "\tShape \"plymesh\" \"string filename\" [{}]", Quoted(&file))?;
         writeln!(out, "AttributeEnd")
@@ -193,27 +194,27 @@ fn light(version: Version, kind: &LightKind, out: &mut dyn Write) -> io::Result<
     let point = version.names().point;
     match kind {
         LightKind::Environment { radiance } => {
-            writeln!(out, "LightSource \"infinite\" \"rgb L\" [{}]", rgb(radiance))
+            writeln!(out, "LightSource \"infinite\" {}", light_color(version, "L", radiance))
         }
         LightKind::Point { position, intensity } => {
             let from = Row(position, " ");
-            writeln!(out, "LightSource \"point\" \"{point} from\" [{from}] \"rgb I\" [{}]", rgb(intensity))
+            writeln!(out, "LightSource \"point\" \"{point} from\" [{from}] {}", light_color(version, "I", intensity))
         }
         LightKind::Spot { position, target, intensity, angle, inner } => writeln!(
             out,
-            "LightSource \"spot\" \"{point} from\" [{}] \"{point} to\" [{}] \"rgb I\" [{}] \"float coneangle\" [{}] \"float \
+            "LightSource \"spot\" \"{point} from\" [{}] \"{point} to\" [{}] {} \"float coneangle\" [{}] \"float \
              conedeltaangle\" [{}]",
             Row(position, " "),
             Row(target, " "),
-            rgb(intensity),
+            light_color(version, "I", intensity),
             Num(*angle),
             Num(angle - inner)
         ),
         LightKind::Directional { direction, irradiance } => writeln!(
             out,
-            "LightSource \"distant\" \"{point} from\" [0 0 0] \"{point} to\" [{}] \"rgb L\" [{}]",
+            "LightSource \"distant\" \"{point} from\" [0 0 0] \"{point} to\" [{}] {}",
             Row(direction, " "),
-            rgb(irradiance)
+            light_color(version, "L", irradiance)
         ),
     }
 }
@@ -230,9 +231,9 @@ fn texture(version: Version, texture: &Texture, id: &str, path: &str, out: &mut 
 }
 
 /// A color, or the texture that says it, as the parameter `name`.
-fn paint(name: &str, value: &ColorOrTexture, textures: &[Option<String>]) -> String {
+fn paint(version: Version, name: &str, value: &ColorOrTexture, textures: &[Option<String>]) -> String {
     match value {
-        ColorOrTexture::Color(color) => format!("\"rgb {name}\" [{}]", rgb(color)),
+        ColorOrTexture::Color(color) => self::color(version, name, color),
         ColorOrTexture::Texture(texture) => match &textures[texture.index()] {
             Some(id) => format!("\"texture {name}\" [\"{id}\"]"),
             None => format!("\"rgb {name}\" [{}]", rgb(&Color::Grey(formats::STAND_IN))),
@@ -248,18 +249,18 @@ fn material(
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let names = version.names();
-    write!(out, "MakeNamedMaterial \"{id}\" \"string type\" ")?;
+    let made = format!("MakeNamedMaterial \"{id}\" \"string type\" ");
     match bsdf {
         Bsdf::Diffuse { reflectance } => {
             let (kind, name, more) = names.diffuse;
-            writeln!(out, "[\"{kind}\"] {}{more}", paint(name, reflectance, textures))
+            writeln!(out, "{made}[\"{kind}\"] {}{more}", paint(version, name, reflectance, textures))
         }
         Bsdf::Conductor { eta, k, alpha } => writeln!(
             out,
-            "[\"{}\"] \"rgb eta\" [{}] \"rgb k\" [{}] \"float roughness\" [{}] {}",
+            "{made}[\"{}\"] {} {} \"float roughness\" [{}] {}",
             names.conductor,
-            rgb(eta),
-            rgb(k),
+            color(version, "eta", eta),
+            color(version, "k", k),
             Num(*alpha),
             names.plain_roughness
         ),
@@ -267,7 +268,7 @@ fn material(
             let (kind, more) = names.dielectric;
             // Only the ratio matters: the surroundings of a PBRT dielectric have index 1.
             let eta = Num(interior / exterior);
-            write!(out, "[\"{kind}\"]{more} \"float eta\" [{eta}]")?;
+            write!(out, "{made}[\"{kind}\"]{more} \"float eta\" [{eta}]")?;
             if *alpha != 0.0 {
                 let (alpha, plain) = (Num(*alpha), names.plain_roughness);
                 write!(out, " \"float uroughness\" [{alpha}] \"float vroughness\" [{alpha}] {plain}")?;
@@ -276,8 +277,98 @@ fn material(
         }
         Bsdf::Mirror { reflectance } => {
             let (kind, name, more) = names.mirror;
-            writeln!(out, "[\"{kind}\"] \"rgb {name}\" [{}]{more}", rgb(reflectance))
+            writeln!(out, "{made}[\"{kind}\"] {}{more}", color(version, name, reflectance))
         }
+        Bsdf::Plastic { reflectance, ior, alpha } => match version {
+            Version::V3 => {
+                let seen = |share| Coat::new(*ior).seen(share);
+                let base = coated("Kd", reflectance, seen, version, id, textures, out)?;
+                let specular = rgb(&Color::Grey(coat::normal_reflectance(*ior)));
+                let (alpha, plain) = (Num(*alpha), names.plain_roughness);
+                writeln!(
+                    out,
+                    "{made}[\"substrate\"] {base} \"rgb Ks\" [{specular}] \"float uroughness\" [{alpha}] \"float vroughness\" \
+                     [{alpha}] {plain}"
+                )
+            }
+            Version::V4 => {
+                let base = paint(version, "reflectance", reflectance, textures);
+                writeln!(out, "{made}{}", coat_over(&base, *ior, *alpha))
+            }
+        },
+        Bsdf::Principled { base, metallic, roughness, ior } => match version {
+            Version::V3 => writeln!(
+                out,
+                "{made}[\"disney\"] {} \"float metallic\" [{}] \"float roughness\" [{}] \"float eta\" [{}] \"float \
+                 speculartint\" [0] \"float sheen\" [0] \"float clearcoat\" [0] \"float spectrans\" [0]",
+                paint(version, "color", base, textures),
+                Num(*metallic),
+                Num(*roughness),
+                Num(*ior)
+            ),
+            Version::V4 => {
+                let alpha = roughness * roughness;
+                // The coat darkens its base: what is seen of this one is the color that is asked for.
+                let coat = if *metallic < 1.0 {
+                    let base =
+                        coated("reflectance", base, |share| Coat::new(*ior).base(share), version, id, textures, out)?;
+                    coat_over(&base, *ior, alpha)
+                } else {
+                    String::new()
+                };
+                let metal = format!(
+                    "[\"conductor\"] {} \"float roughness\" [{}] {}",
+                    paint(version, "reflectance", base, textures),
+                    Num(alpha),
+                    names.plain_roughness
+                );
+                if *metallic <= 0.0 {
+                    return writeln!(out, "{made}{coat}");
+                }
+                if *metallic >= 1.0 {
+                    return writeln!(out, "{made}{metal}");
+                }
+                // Names with a blank are no words, so that no other material has them.
+                writeln!(out, "MakeNamedMaterial \"{id} coat\" \"string type\" {coat}")?;
+                writeln!(out, "MakeNamedMaterial \"{id} metal\" \"string type\" {metal}")?;
+                let parts = format!("[\"{id} coat\" \"{id} metal\"]");
+                writeln!(out, "{made}[\"mix\"] \"string materials\" {parts} \"float amount\" [{}]", Num(*metallic))
+            }
+        },
+    }
+}
+
+/// v4's coat over a diffuse base: its type and parameters.
+fn coat_over(base: &str, ior: f64, alpha: f64) -> String {
+    let plain = Version::V4.names().plain_roughness;
+    format!("[\"coateddiffuse\"] {base} \"float eta\" [{}] \"float roughness\" [{}] {plain}", Num(ior), Num(alpha))
+}
+
+/// A color through `map` as the parameter `name`; a texture through a factor, as a texture of its own that is written here.
+fn coated(
+    name: &str,
+    value: &ColorOrTexture,
+    map: impl Fn(f64) -> f64,
+    version: Version,
+    id: &str,
+    textures: &[Option<String>],
+    out: &mut dyn Write,
+) -> io::Result<String> {
+    match coat::mapped(value, &map) {
+        Mapped::Color(color) => Ok(format!("\"rgb {name}\" [{}]", rgb(&color))),
+        Mapped::Texture(texture, factor) => match &textures[texture.index()] {
+            None => Ok(format!("\"rgb {name}\" [{}]", rgb(&Color::Grey(map(formats::STAND_IN))))),
+            Some(image) => {
+                let more = match version {
+                    Version::V3 => {
+                        format!("\"texture tex1\" [\"{image}\"] \"rgb tex2\" [{}]", rgb(&Color::Grey(factor)))
+                    }
+                    Version::V4 => format!("\"texture tex\" [\"{image}\"] \"float scale\" [{}]", Num(factor)),
+                };
+                writeln!(out, "Texture \"{id} base\" \"spectrum\" \"scale\" {more}")?;
+                Ok(format!("\"texture {name}\" [\"{id} base\"]"))
+            }
+        },
     }
 }
 
@@ -297,6 +388,28 @@ fn placed(transform: &Affine, out: &mut dyn Write) -> io::Result<()> {
         write!(out, "{} {}", Row(&entries, " "), if column == 3 { "1]" } else { "0  " })?;
     }
     writeln!(out)
+}
+
+/// A color as the parameter `name`. v3 is built for RGB, and takes a reflectance's spectrum for that of a light (`FromSampled`), so
+/// that it gets RGB.
+fn color(version: Version, name: &str, color: &Color) -> String {
+    match (version, color) {
+        (Version::V4, Color::Spectrum(spectrum)) => {
+            format!("\"spectrum {name}\" [{}]", Row(names::samples(spectrum.points()).as_flattened(), " "))
+        }
+        (Version::V3 | Version::V4, _) => format!("\"rgb {name}\" [{}]", rgb(color)),
+    }
+}
+
+/// The strength of a light. v4 divides a spectrum by its luminance, which `scale` gives back (`SpectrumToPhotometric`).
+fn light_color(version: Version, name: &str, strength: &Color) -> String {
+    let written = color(version, name, strength);
+    match (version, strength) {
+        (Version::V4, Color::Spectrum(spectrum)) => {
+            format!("{written} \"float scale\" [{}]", Num(spectrum.luminance()))
+        }
+        (Version::V3 | Version::V4, _) => written,
+    }
 }
 
 fn rgb(color: &Color) -> String {

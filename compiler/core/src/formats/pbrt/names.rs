@@ -129,6 +129,15 @@ pub fn lookup(version: Version, texture: &Texture) -> &'static str {
     }
 }
 
+/// The samples of a v4 spectrum: beyond the first and the last it is 0 (`PiecewiseLinearSpectrum`), so that constant ends are
+/// written out. It looks at 360 to 830 nm.
+pub fn samples(points: &[(f64, f64)]) -> Vec<[f64; 2]> {
+    let ends = |place: f64| move |point: &(f64, f64)| [place, point.1];
+    let first = points.first().filter(|point| point.0 > 360.0).map(ends(360.0));
+    let last = points.last().filter(|point| point.0 < 830.0).map(ends(830.0));
+    first.into_iter().chain(points.iter().map(|(wavelength, value)| [*wavelength, *value])).chain(last).collect()
+}
+
 /// The angle that both versions call `fov`: the full angle along the image's shorter axis (pbrt-v3 and pbrt-v4,
 /// `PerspectiveCamera`: the shorter axis of the default screen window spans -1..1).
 pub fn fov(fov_x: f64, film: &Film) -> f64 {

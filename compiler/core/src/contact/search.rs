@@ -1,0 +1,390 @@
+//! The search for contacts: first boxes of uses, then boxes of triangles, then triangles.
+
+use std::collections::HashMap;
+
+use rayon::prelude::*;
+
+use super::overlap::{Distances, Triangle, overlap};
+use super::tree::Tree;
+use super::{Contact, Contacts, Overlap, Role, coplanarity, nearness, role};
+use crate::ir::{Affine, Mesh, Vec3, dot, normalized};
+use crate::survey::{Bounds, Placed, Survey};
+
+/// Boxes and triangles that are looked at before pairs are left out. Some ten seconds.
+const BUDGET: u64 = 1_000_000_000;
+
+/// A mesh of so many triangles is scanned whenever it is asked for.
+const SMALL: usize = 256;
+
+/// A larger one is scanned so often before a tree is made, which takes about as long.
+const SCANS: u32 = 8;
+
+/// So many triangles are held against a scan of the other mesh.
+const FEW: usize = 16;
+
+/// Triangles that one task looks at; results are summed in their order.
+const PIECE: usize = 512;
+
+/// Faces that look the same way, and opposite ones.
+type Found = [Overlap; 2];
+
+const NOTHING: Found = [Overlap::NONE; 2];
+
+fn both(one: Found, other: Found) -> Found {
+    [one[0].and(other[0]), one[1].and(other[1])]
+}
+
+/// Two meshes at the same places relative to each other. Linear parts are numbered, offsets are in thousandths of the larger distance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct Pose {
+    meshes: [usize; 2],
+    frames: [u32; 2],
+    offset: [i64; 3],
+    /// The bits of the larger distance.
+    near: u64,
+    /// Whether it is one use with itself.
+    own: bool,
+}
+
+/// The linear part of a transform, rounded to a billionth of its largest entry, and that entry.
+type Frame = ([i64; 9], u32);
+
+pub(super) struct Search<'s> {
+    survey: &'s Survey<'s>,
+    roles: Vec<Role>,
+    /// By use, the number of its linear part.
+    frames: Vec<u32>,
+    /// How many uses have it.
+    shared: Vec<u32>,
+    /// By mesh.
+    scans: Vec<u32>,
+    /// By mesh.
+    trees: Vec<Option<Tree>>,
+    known: HashMap<Pose, Found>,
+    looked: u64,
+    budget: u64,
+}
+
+impl<'s> Search<'s> {
+    pub fn of(survey: &'s Survey<'s>) -> Self {
+        let mut numbers: HashMap<Frame, u32> = HashMap::new();
+        let mut shared = Vec::new();
+        let mut frames = Vec::with_capacity(survey.placed.len());
+        for placed in &survey.placed {
+            let number = *numbers.entry(frame(&placed.transform)).or_insert_with(|| {
+                shared.push(0);
+                shared.len() as u32 - 1
+            });
+            shared[number as usize] += 1;
+            frames.push(number);
+        }
+        let meshes = survey.scene.meshes.len();
+        Self {
+            survey,
+            roles: survey.placed.iter().map(|placed| role(survey, placed)).collect(),
+            frames,
+            shared,
+            scans: vec![0; meshes],
+            trees: (0..meshes).map(|_| None).collect(),
+            known: HashMap::new(),
+            looked: 0,
+            budget: BUDGET,
+        }
+    }
+
+    /// Looks at fewer boxes and triangles.
+    #[cfg(test)]
+    pub fn with_budget(mut self, budget: u64) -> Self {
+        self.budget = budget;
+        self
+    }
+
+    pub fn run(mut self) -> Contacts {
+        let placed = &self.survey.placed;
+        let mut contacts = Contacts::default();
+        let tree = Tree::of(placed.len(), |at| placed[at].bounds);
+        let mut partners: Vec<usize> = Vec::new();
+        for one in 0..placed.len() {
+            if self.roles[one] == Role::Dielectric {
+                self.contact([one, one], placed[one].bounds, &mut contacts);
+            }
+            partners.clear();
+            let near = placed[one].bounds.grown(2.0 * nearness(placed[one].bounds.reach()));
+            let may_touch = |other: &usize| *other > one && placed[*other].bounds.common(near).is_some();
+            self.looked += tree.each(near, |items| {
+                partners.extend(items.iter().map(|item| *item as usize).filter(may_touch));
+            });
+            partners.sort_unstable();
+            for other in partners.iter().copied() {
+                if let Some(region) = self.region(one, other) {
+                    self.contact([one, other], region, &mut contacts);
+                }
+            }
+        }
+        contacts
+    }
+
+    /// Whether a contact matters: of opaque surfaces only one of two materials does.
+    fn matters(&self, one: usize, other: usize) -> bool {
+        let materials = &self.survey.scene.materials;
+        let [a, b] = [one, other].map(|at| self.survey.placed[at].shape.material);
+        let known = |at: usize| at < materials.len();
+        let alike = || a == b || known(a.index()) && known(b.index()) && materials[a].bsdf == materials[b].bsdf;
+        self.roles[one] != Role::Opaque || self.roles[other] != Role::Opaque || !alike()
+    }
+
+    fn distances(&self, uses: [usize; 2], region: Bounds) -> Distances {
+        // Rounded up to three bits, so that neighbours far from the origin have the same.
+        const REST: u64 = (1 << 49) - 1;
+        let reach = f64::from_bits((region.reach().to_bits() + REST) & !REST);
+        let coplanar = coplanarity(reach);
+        let opaque = uses.iter().all(|at| self.roles[*at] == Role::Opaque);
+        Distances { near: if opaque { coplanar } else { nearness(reach) }, coplanar }
+    }
+
+    /// Where both may be close; none where that is nowhere or along a line, or does not matter.
+    fn region(&self, one: usize, other: usize) -> Option<Bounds> {
+        if !self.matters(one, other) {
+            return None;
+        }
+        let [a, b] = [one, other].map(|at| self.survey.placed[at].bounds);
+        let Distances { near, coplanar: _ } = self.distances([one, other], a.union(b));
+        let region = a.grown(near).common(b.grown(near))?;
+        let thin = region.size().into_iter().filter(|side| *side <= 4.0 * near).count();
+        (thin < 2).then_some(region)
+    }
+
+    fn contact(&mut self, uses: [usize; 2], region: Bounds, contacts: &mut Contacts) {
+        if self.looked > self.budget {
+            contacts.left_out += 1;
+            return;
+        }
+        let within = self.distances(uses, region);
+        let pose = self.pose(uses, within);
+        let known = pose.and_then(|pose| self.known.get(&pose)).copied();
+        let found = known.unwrap_or_else(|| {
+            let found = if uses[0] == uses[1] { self.own(uses[0], within) } else { self.pair(uses, region, within) };
+            if let Some(pose) = pose {
+                self.known.insert(pose, found);
+            }
+            found
+        });
+        let [same, opposite] = found;
+        if same.near > 0.0 || opposite.near > 0.0 {
+            contacts.found.push(Contact { uses, same, opposite, nearness: within.near });
+        }
+    }
+
+    /// What both have in common with other pairs; none where there can be no other.
+    fn pose(&self, uses: [usize; 2], within: Distances) -> Option<Pose> {
+        let frames = uses.map(|at| self.frames[at]);
+        if frames.iter().any(|frame| self.shared[*frame as usize] < 2) {
+            return None;
+        }
+        let [one, other] = uses.map(|at| &self.survey.placed[at]);
+        let offset = [0, 1, 2].map(|axis| {
+            let from = one.transform.rows[axis][3];
+            ((other.transform.rows[axis][3] - from) / (1e-3 * within.near)).round() as i64
+        });
+        let meshes = [one, other].map(|placed| placed.shape.mesh.index());
+        Some(Pose { meshes, frames, offset, near: within.near.to_bits(), own: uses[0] == uses[1] })
+    }
+
+    /// The triangles of a use that may reach into `region`, and at least those.
+    fn reaching(&mut self, at: usize, region: Bounds) -> Vec<u32> {
+        let placed = &self.survey.placed[at];
+        let mesh = &self.survey.scene.meshes[placed.shape.mesh];
+        let Some(near) = local(placed, region) else { return Vec::new() };
+        let number = placed.shape.mesh.index();
+        let count = mesh.triangles.len();
+        if self.trees[number].is_none() && (count <= SMALL || self.scans[number] < SCANS) {
+            self.scans[number] += 1;
+            self.looked += count as u64;
+            let reaches = |at: &u32| own_bounds(mesh, *at as usize).is_some_and(|own| own.common(near).is_some());
+            return (0..count as u32).filter(reaches).collect();
+        }
+        self.plant(number, mesh);
+        let Some(tree) = &self.trees[number] else { return Vec::new() };
+        let mut found = Vec::new();
+        self.looked += tree.each(near, |items| found.extend_from_slice(items));
+        found.sort_unstable();
+        found
+    }
+
+    fn plant(&mut self, number: usize, mesh: &Mesh) {
+        if self.trees[number].is_none() {
+            self.looked += 4 * mesh.triangles.len() as u64;
+            // What has an index out of range lies nowhere near.
+            let nowhere = Bounds { low: [f64::MAX; 3], high: [f64::MAX; 3] };
+            let tree = Tree::of(mesh.triangles.len(), |at| own_bounds(mesh, at).unwrap_or(nowhere));
+            self.trees[number] = Some(tree);
+        }
+    }
+
+    fn pair(&mut self, uses: [usize; 2], region: Bounds, within: Distances) -> Found {
+        let survey = self.survey;
+        let count = |at: usize| survey.scene.meshes[survey.placed[at].shape.mesh].triangles.len();
+        // The triangles of the smaller mesh are looked for in the larger one.
+        let [one, other] = if count(uses[0]) <= count(uses[1]) { uses } else { [uses[1], uses[0]] };
+        // In a region as thin as a sheet only faces along it have an area.
+        let size = region.size();
+        let sheet = (0..3).find(|axis| size[*axis] <= 4.0 * within.near);
+        let lies = |triangle: &Triangle| sheet.is_none_or(|axis| triangle.normal[axis].abs() > 0.9);
+        let [one_use, other_use] = [one, other].map(|at| &survey.placed[at]);
+        let of = |placed: &Placed<'_>, at: u32| triangle(survey, placed, at as usize).filter(lies);
+
+        let candidates = self.reaching(one, region);
+        if candidates.len() <= FEW || count(other) <= SMALL {
+            let few: Vec<Triangle> = candidates.into_iter().filter_map(|at| of(one_use, at)).collect();
+            let Some(around) = few.iter().map(|triangle| triangle.bounds).reduce(Bounds::union) else { return NOTHING };
+            let Some(closer) = around.grown(within.near).common(region) else { return NOTHING };
+            let others = self.reaching(other, closer);
+            self.looked += (few.len() * others.len()) as u64;
+            let each = |found: Found, at: u32| match of(other_use, at) {
+                Some(second) => few.iter().fold(found, |found, first| add(found, overlap(first, &second, within))),
+                None => found,
+            };
+            return others.into_iter().fold(NOTHING, each);
+        }
+        let number = other_use.shape.mesh.index();
+        self.plant(number, &survey.scene.meshes[other_use.shape.mesh]);
+        let Some(tree) = &self.trees[number] else { return NOTHING };
+        let each = |piece: &[u32]| {
+            let (mut found, mut looked) = (NOTHING, 0);
+            for first in piece.iter().filter_map(|at| of(one_use, *at)) {
+                let Some(near) = local(other_use, first.bounds.grown(within.near)) else { continue };
+                looked += tree.each(near, |items| {
+                    for second in items.iter().filter_map(|at| of(other_use, *at)) {
+                        found = add(found, overlap(&first, &second, within));
+                    }
+                });
+            }
+            (found, looked)
+        };
+        let pieces: Vec<(Found, u64)> = candidates.par_chunks(PIECE).map(each).collect();
+        self.looked += pieces.iter().map(|(_, looked)| looked).sum::<u64>();
+        pieces.into_iter().fold(NOTHING, |found, (piece, _)| both(found, piece))
+    }
+
+    /// Opposite faces of one use that are close to each other.
+    fn own(&mut self, at: usize, within: Distances) -> Found {
+        let survey = self.survey;
+        let placed = &survey.placed[at];
+        let mesh = &survey.scene.meshes[placed.shape.mesh];
+        self.looked += mesh.triangles.len() as u64;
+        if one_way(survey, placed) {
+            return NOTHING;
+        }
+        let number = placed.shape.mesh.index();
+        self.plant(number, mesh);
+        let Some(tree) = &self.trees[number] else { return NOTHING };
+        let of = |at: u32| triangle(survey, placed, at as usize);
+        let each = |piece: usize| {
+            let (mut found, mut looked) = (NOTHING, 0);
+            for at in (piece * PIECE..mesh.triangles.len().min((piece + 1) * PIECE)).map(|at| at as u32) {
+                let Some(first) = of(at) else { continue };
+                let Some(near) = local(placed, first.bounds.grown(within.near)) else { continue };
+                looked += tree.each(near, |items| {
+                    let later = items.iter().filter(|item| **item > at).filter_map(|item| of(*item));
+                    for second in later.filter(|second| dot(first.normal, second.normal) < 0.0) {
+                        found = add(found, overlap(&first, &second, within));
+                    }
+                });
+            }
+            (found, looked)
+        };
+        let pieces = mesh.triangles.len().div_ceil(PIECE);
+        let pieces: Vec<(Found, u64)> = (0..pieces).into_par_iter().map(each).collect();
+        self.looked += pieces.iter().map(|(_, looked)| looked).sum::<u64>();
+        pieces.into_iter().fold(NOTHING, |found, (piece, _)| both(found, piece))
+    }
+}
+
+fn add([same, opposite]: Found, found: Option<(bool, Overlap)>) -> Found {
+    match found {
+        None => [same, opposite],
+        Some((true, more)) => [same.and(more), opposite],
+        Some((false, more)) => [same, opposite.and(more)],
+    }
+}
+
+/// Whether all faces of a use look into one half of space, so far that no two are opposite.
+fn one_way(survey: &Survey<'_>, placed: &Placed<'_>) -> bool {
+    let mut sum: Vec3 = [0.0; 3];
+    let faces =
+        || (0..survey.scene.meshes[placed.shape.mesh].triangles.len()).filter_map(|at| triangle(survey, placed, at));
+    for face in faces() {
+        sum = [0, 1, 2].map(|axis| sum[axis] + face.area * face.normal[axis]);
+    }
+    // At most 81 degrees from the middle, at most 163 from each other.
+    normalized(sum).is_some_and(|middle| faces().all(|face| dot(face.normal, middle) > 0.15))
+}
+
+/// A triangle of a use in the scene; a mirroring transform turns its corners, so that the front stays in front.
+fn triangle(survey: &Survey<'_>, placed: &Placed<'_>, at: usize) -> Option<Triangle> {
+    let mesh = &survey.scene.meshes[placed.shape.mesh];
+    let [a, b, c] = own_corners(mesh, at)?.map(|corner| placed.transform.point(corner));
+    Triangle::of(if placed.transform.determinant() < 0.0 { [a, c, b] } else { [a, b, c] })
+}
+
+fn own_corners(mesh: &Mesh, at: usize) -> Option<[Vec3; 3]> {
+    let [a, b, c] = mesh.triangles.get(at)?.map(|index| mesh.positions.get(index as usize));
+    Some([*a?, *b?, *c?].map(|point| point.map(f64::from)))
+}
+
+fn own_bounds(mesh: &Mesh, at: usize) -> Option<Bounds> {
+    own_corners(mesh, at).map(Bounds::of_triangle)
+}
+
+/// A box around `region` in the coordinates of the mesh; none for a transform without an inverse.
+fn local(placed: &Placed<'_>, region: Bounds) -> Option<Bounds> {
+    if placed.transform == Affine::IDENTITY {
+        return Some(region);
+    }
+    let inverse = inverse(&placed.transform)?;
+    let near = region.transformed(&inverse);
+    Some(near.grown(1e-12 * near.reach()))
+}
+
+fn inverse(map: &Affine) -> Option<Affine> {
+    let determinant = map.determinant();
+    if !map.is_invertible() {
+        return None;
+    }
+    let cofactors = map.cofactors();
+    let offset: Vec3 = map.rows.map(|row| row[3]);
+    let rows = [0, 1, 2].map(|row| {
+        let [x, y, z] = [0, 1, 2].map(|column: usize| cofactors[column][row] / determinant);
+        [x, y, z, -dot([x, y, z], offset)]
+    });
+    Some(Affine { rows })
+}
+
+fn frame(map: &Affine) -> Frame {
+    let entries = map.rows.map(|row| [row[0], row[1], row[2]]);
+    let largest = entries.as_flattened().iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+    let scale = if largest > 0.0 { 1e9 / largest } else { 0.0 };
+    let mut rounded = [0; 9];
+    for (to, from) in rounded.iter_mut().zip(entries.as_flattened()) {
+        *to = (from * scale).round() as i64;
+    }
+    (rounded, (largest as f32).to_bits())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_inverse_goes_back() {
+        let map = Affine::scaling([2.0, -0.5, 3.0])
+            .then(&Affine::rotation([0.6, 0.0, 0.8], 37.0))
+            .then(&Affine::translation([5.0, -7.0, 11.0]));
+        let back = inverse(&map).expect("a regular map");
+        for point in [[0.0; 3], [1.0, 2.0, 3.0], [-9.0, 0.5, 4.0]] {
+            let again = back.point(map.point(point));
+            assert!((0..3).all(|axis| (again[axis] - point[axis]).abs() < 1e-12), "{again:?}");
+        }
+        assert!(inverse(&Affine::scaling([1.0, 0.0, 1.0])).is_none());
+    }
+}
