@@ -44,7 +44,7 @@ const PAIRS: &[(&str, &str, &str)] = &[
 
 fn load(path: &std::path::Path) -> Geometry {
     let bytes = std::fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
-    file::read("ply", &bytes, None).unwrap_or_else(|error| panic!("{}: {error}", path.display())).0
+    file::read("ply", &bytes, None, &mut file::alone).unwrap_or_else(|error| panic!("{}: {error}", path.display())).0
 }
 
 /// The largest angle in degrees between a normal of `ours` and the best one among those of `theirs` at the same place.

@@ -8,7 +8,7 @@ use std::sync::LazyLock;
 
 use divan::Bencher;
 use divan::counter::BytesCount;
-use ltsc_core::mesh::file::read;
+use ltsc_core::mesh::file::{alone, read};
 use ltsc_core::mesh::{Geometry, faceted, is_closed, largest_normal_deviation, smooth, sphere};
 use ply_rs_bw::parser::Parser;
 use ply_rs_bw::ply::{BeginList, PropertyAccess, PropertyAccessResult};
@@ -74,10 +74,60 @@ static OBJ: LazyLock<Vec<u8>> = LazyLock::new(|| {
     text.into_bytes()
 });
 
+static STL: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let mut out = vec![b' '; 80];
+    out.extend((MESH.triangles.len() as u32).to_le_bytes());
+    for triangle in &MESH.triangles {
+        out.extend([0; 12]);
+        let corners = triangle.map(|index| MESH.positions[index as usize]);
+        out.extend(corners.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+        out.extend([0; 2]);
+    }
+    out
+});
+
+static GLB: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let (vertices, faces) = (MESH.positions.len(), MESH.triangles.len());
+    let mut bytes: Vec<u8> = Vec::new();
+    for numbers in [MESH.positions.as_flattened(), MESH.normals.as_deref().unwrap_or_default().as_flattened()] {
+        bytes.extend(numbers.iter().flat_map(|x| x.to_le_bytes()));
+    }
+    bytes.extend(MESH.uvs.as_deref().unwrap_or_default().as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+    bytes.extend(MESH.triangles.as_flattened().iter().flat_map(|x| x.to_le_bytes()));
+    let view = |from: usize, size: usize| format!(r#"{{"buffer":0,"byteOffset":{from},"byteLength":{size}}}"#);
+    let accessor = |view: u32, kind: u32, count: usize, shape: &str| {
+        format!(
+            r#"{{"bufferView":{view},"componentType":{kind},"count":{count},"type":"{shape}","min":[-1,-1,-1],"max":[1,1,1]}}"#
+        )
+    };
+    let mut text = format!(
+        r#"{{"asset":{{"version":"2.0"}},"buffers":[{{"byteLength":{}}}],"bufferViews":[{},{},{},{}],"accessors":[{},{},{},{}],"meshes":[{{"primitives":[{{"attributes":{{"POSITION":0,"NORMAL":1,"TEXCOORD_0":2}},"indices":3}}]}}],"nodes":[{{"mesh":0}}],"scenes":[{{"nodes":[0]}}]}}"#,
+        bytes.len(),
+        view(0, vertices * 12),
+        view(vertices * 12, vertices * 12),
+        view(vertices * 24, vertices * 8),
+        view(vertices * 32, faces * 12),
+        accessor(0, 5126, vertices, "VEC3"),
+        accessor(1, 5126, vertices, "VEC3"),
+        accessor(2, 5126, vertices, "VEC2"),
+        accessor(3, 5125, faces * 3, "SCALAR"),
+    )
+    .into_bytes();
+    text.resize(text.len().next_multiple_of(4), b' ');
+    let mut out = b"glTF\x02\0\0\0".to_vec();
+    out.extend((28 + text.len() as u32 + bytes.len() as u32).to_le_bytes());
+    for (kind, chunk) in [(b"JSON", &text), (b"BIN\0", &bytes)] {
+        out.extend((chunk.len() as u32).to_le_bytes());
+        out.extend(kind);
+        out.extend(chunk);
+    }
+    out
+});
+
 fn ltsc(bencher: Bencher<'_, '_>, extension: &str, bytes: &'static [u8]) {
-    let (geometry, _) = read(extension, bytes, None).expect("a good file");
+    let (geometry, _) = read(extension, bytes, None, &mut alone).expect("a good file");
     assert_eq!(geometry.triangles.len(), MESH.triangles.len());
-    bencher.counter(BytesCount::of_slice(bytes)).bench(|| read(extension, black_box(bytes), None));
+    bencher.counter(BytesCount::of_slice(bytes)).bench(|| read(extension, black_box(bytes), None, &mut alone));
 }
 
 #[divan::bench(sample_count = 10)]
@@ -93,6 +143,26 @@ fn ply_ascii_ltsc(bencher: Bencher<'_, '_>) {
 #[divan::bench(sample_count = 5)]
 fn obj_ltsc(bencher: Bencher<'_, '_>) {
     ltsc(bencher, "obj", &OBJ);
+}
+
+#[divan::bench(sample_count = 10)]
+fn stl_ltsc(bencher: Bencher<'_, '_>) {
+    ltsc(bencher, "stl", &STL);
+}
+
+#[divan::bench(sample_count = 10)]
+fn stl_copy(bencher: Bencher<'_, '_>) {
+    bencher.counter(BytesCount::of_slice(&*STL)).bench(|| black_box(&*STL).clone());
+}
+
+#[divan::bench(sample_count = 10)]
+fn glb_ltsc(bencher: Bencher<'_, '_>) {
+    ltsc(bencher, "glb", &GLB);
+}
+
+#[divan::bench(sample_count = 10)]
+fn glb_copy(bencher: Bencher<'_, '_>) {
+    bencher.counter(BytesCount::of_slice(&*GLB)).bench(|| black_box(&*GLB).clone());
 }
 
 /// A vertex as ply-rs-bw fills it.

@@ -146,10 +146,6 @@ pub const CODES: &[Code] = &[
         "nesting-limit",
         "Brackets or operators are nested too deeply.\nThe limits are 128 brackets and 256 levels of operators; give inner parts names with `let`.",
     ),
-    code(
-        "not-supported-yet",
-        "The language has this construct, and this version of ltsc makes nothing from it.\nNothing was ignored: the scene is refused.",
-    ),
     code("not-text", "A scene file is not text in UTF-8."),
     code("number-range", "A number is too large for double precision."),
     code("parameter-range", "The value of a scene's parameter lies outside its range."),

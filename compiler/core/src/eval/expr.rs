@@ -208,6 +208,7 @@ impl Interpreter<'_> {
             }
             _ => {}
         }
+        let before = wanted;
         let wanted = if call.piped.is_some() { Some(Family::Stage) } else { wanted };
         let Some(row) = table::find(&call.name.text, wanted) else {
             self.unknown_call(scope, &call.name.text, call.name.span, wanted);
@@ -215,7 +216,7 @@ impl Interpreter<'_> {
             self.arguments_only(scope, call);
             return Err(Reported);
         };
-        let args = self.bind(scope, call, row)?;
+        let args = self.bind(scope, call, row, before)?;
         // Functions see nothing of the place where they are called, and are called most; `table` reads a file.
         let blind = row.family == Family::Function && row.name != "table";
         let file = if blind { None } else { Some(self.sources.get(call.span.file).path.clone()) };
@@ -235,9 +236,12 @@ impl Interpreter<'_> {
             limits: self.limits,
             host: self,
             remarks: Vec::new(),
+            findings: Vec::new(),
         };
         let built = (row.build)(&args, &mut site);
-        for table::Remark { message, help, lengths } in site.remarks {
+        let Site { remarks, findings, .. } = site;
+        self.findings.extend(findings);
+        for table::Remark { message, help, lengths } in remarks {
             if lengths {
                 self.lengthened.push((call.span, message));
             } else {
@@ -340,7 +344,14 @@ impl Interpreter<'_> {
     }
 
     /// Matches arguments with parameters and checks their types; reports all that is wrong with a call.
-    fn bind(&mut self, scope: &mut Scope, call: &Call, row: &'static Constructor) -> Result<Args, Reported> {
+    /// `wanted` is what the place of the call asks for: what a stage moves is the same.
+    fn bind(
+        &mut self,
+        scope: &mut Scope,
+        call: &Call,
+        row: &'static Constructor,
+        wanted: Option<Family>,
+    ) -> Result<Args, Reported> {
         let mut values: Vec<Option<Value>> = row.params.iter().map(|_| None).collect();
         let mut given: Vec<Option<Span>> = vec![None; row.params.len()];
         let mut good = true;
@@ -408,7 +419,7 @@ impl Interpreter<'_> {
                 continue;
             }
             given[at] = Some(value.span);
-            match self.typed(scope, value, param.ty, param.name) {
+            match self.typed(scope, value, param.ty, param.name, wanted) {
                 Ok(value) => values[at] = Some(value),
                 Err(Reported) => {
                     good = false;
@@ -464,8 +475,16 @@ impl Interpreter<'_> {
     }
 
     /// The value of `expr` as the type of the parameter `name`.
-    fn typed(&mut self, scope: &mut Scope, expr: &Expr, ty: Ty, name: &str) -> Result<Value, Reported> {
+    fn typed(
+        &mut self,
+        scope: &mut Scope,
+        expr: &Expr,
+        ty: Ty,
+        name: &str,
+        wanted: Option<Family>,
+    ) -> Result<Value, Reported> {
         let family = match ty {
+            Ty::Placeable => wanted.filter(|family| *family == Family::Group),
             Ty::Mesh => Some(Family::Mesh),
             Ty::Material => Some(Family::Material),
             Ty::Filter => Some(Family::Filter),
@@ -577,10 +596,10 @@ impl table::Host for Interpreter<'_> {
     }
 }
 
-/// What makes two calls of `file` the same mesh, of `bitmap` the same texture, and of `table` the same list.
-fn file_key(row: &Constructor, args: &Args, folder: &str) -> Option<(&'static str, VPath, Option<String>)> {
+/// What makes two calls of `file` the same mesh or group, of `bitmap` the same texture, and of `table` the same list.
+fn file_key(row: &Constructor, args: &Args, folder: &str) -> Option<(Family, VPath, Option<String>)> {
     let more = match (row.family, row.name) {
-        (Family::Mesh, "file") | (Family::Function, "table") => "part",
+        (Family::Mesh | Family::Group, "file") | (Family::Function, "table") => "part",
         (Family::Texture, "bitmap") => "encoding",
         _ => return None,
     };
@@ -588,7 +607,7 @@ fn file_key(row: &Constructor, args: &Args, folder: &str) -> Option<(&'static st
         Some(Value::String(text)) => Some(text.to_string()),
         _ => None,
     };
-    Some((row.name, VPath::resolve(folder, &text("path")?).ok()?, text(more)))
+    Some((row.family, VPath::resolve(folder, &text("path")?).ok()?, text(more)))
 }
 
 fn numbers_value(numbers: &[f64]) -> Value {

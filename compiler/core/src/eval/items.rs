@@ -103,7 +103,7 @@ impl Interpreter<'_> {
         value: &Expr,
         span: Span,
     ) {
-        let group = match self.eval(scope, value, None) {
+        let group = match self.eval(scope, value, Some(Family::Group)) {
             Ok(Value::Group(group)) => group,
             Ok(Value::Function(function)) if function.makes_groups() => {
                 self.findings.push(

@@ -151,8 +151,8 @@ struct Interpreter<'f> {
     /// Files whose evaluation has not ended, outermost first.
     loading: Vec<VPath>,
     inputs: BTreeMap<VPath, crate::files::Bytes>,
-    /// Meshes, tables and textures read from files, by constructor, path, and part or encoding.
-    read: BTreeMap<(&'static str, VPath, Option<String>), value::Value>,
+    /// Meshes, groups, tables and textures read from files, by family, path, and part or encoding.
+    read: BTreeMap<(Family, VPath, Option<String>), value::Value>,
     /// Textures so far, used or not.
     textures: Arena<Texture>,
     /// Places read from files.

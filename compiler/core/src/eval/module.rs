@@ -346,15 +346,6 @@ impl Interpreter<'_> {
         }
     }
 
-    /// What the language has and this compiler cannot do yet.
-    fn not_yet(&mut self, span: Span, what: &str, help: &str) {
-        self.findings.push(
-            Finding::error("not-supported-yet", span, format!("{what} are not supported by this version of ltsc"))
-                .note("the statement is understood, but nothing is made from it")
-                .help(help),
-        );
-    }
-
     fn poison(&mut self, scope: &mut Scope, name: Option<&Name>) {
         if let Some(name) = name {
             self.declare(scope, name, Value::Poison);
@@ -585,16 +576,12 @@ impl Interpreter<'_> {
             return;
         }
         match kind {
-            Kind::Let | Kind::Material | Kind::Mesh | Kind::Texture => {
+            Kind::Let | Kind::Material | Kind::Mesh | Kind::Texture | Kind::Group => {
                 self.value_declaration(module, scope, kind, name, value)
             }
             Kind::Shape | Kind::Emitter => self.item(module, scope, kind, name, value, with, span),
             Kind::Camera | Kind::Film | Kind::Integrator | Kind::Sampler => {
                 self.setting(module, scope, kind, name, value, span)
-            }
-            Kind::Group => {
-                self.not_yet(span, "groups of files", "write `group name { shape part = file(...) with ... }`");
-                self.poison(scope, name);
             }
             Kind::Instance => self.instance(module, scope, name, value, span),
         }
@@ -604,6 +591,7 @@ impl Interpreter<'_> {
         let family = match kind {
             Kind::Material => Some(Family::Material),
             Kind::Mesh => Some(Family::Mesh),
+            Kind::Group => Some(Family::Group),
             Kind::Texture => Some(Family::Texture),
             _ => None,
         };
@@ -613,6 +601,7 @@ impl Interpreter<'_> {
                 Ok(Value::Material(Rc::new(MaterialValue { name: own, bsdf: material.bsdf.clone(), span: value.span })))
             }
             (Kind::Mesh, Value::Mesh(mesh)) => Ok(Value::Mesh(items::rename(mesh, name))),
+            (Kind::Group, Value::Group(group)) => Ok(Value::Group(group)),
             (Kind::Texture, Value::Texture(texture)) => Ok(Value::Texture(self.renamed(texture, name, value.span))),
             (Kind::Let, found) => Ok(found),
             (_, found) => self.wrong_kind(kind, value.span, &found),

@@ -91,6 +91,7 @@ fn heading(family: Family) -> String {
         Family::Integrator => "Integrators",
         Family::Sampler => "Samplers",
         Family::Color => "Colours",
+        Family::Group => "Groups",
         Family::Texture => "Textures",
         Family::Function => "Functions",
     }

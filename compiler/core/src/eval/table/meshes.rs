@@ -100,10 +100,15 @@ pub(super) const ROWS: &[Constructor] = &[
     Constructor {
         family: Family::Mesh,
         name: "file",
-        summary: "A mesh file, PLY or OBJ, below the project's root.",
+        summary: "A mesh file, PLY, OBJ, STL or glTF, below the project's root; of glTF all nodes as one mesh, z up.",
         params: &[
             Parameter { name: "path", ty: Ty::String, default: None, doc: "from the folder of this file, with `/`" },
-            Parameter { name: "part", ty: Ty::String, default: Some(""), doc: "an object or group of an OBJ file" },
+            Parameter {
+                name: "part",
+                ty: Ty::String,
+                default: Some(""),
+                doc: "an object or group of an OBJ file, a solid of an STL text",
+            },
         ],
         positional: 1,
         example: "mesh bunny = file(\"meshes/bunny.ply\")",
@@ -223,14 +228,42 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
         _ => None,
     };
     let (path, bytes) = read(args, site)?;
-    let (geometry, notes) = mesh::file::read(&path.extension(), &bytes, part.as_deref()).map_err(|error| {
-        let place = if error.place.is_empty() { path.to_string() } else { format!("{path}, {}", error.place) };
-        Problem::new("path", error.message).id("invalid-mesh-file").label(place).maybe_help(error.help)
-    })?;
+    let (geometry, notes) = {
+        let mut beside = beside(&path, site);
+        mesh::file::read(&path.extension(), &bytes, part.as_deref(), &mut beside)
+    }
+    .map_err(|error| broken(&path, error))?;
+    remark(&path, notes, site);
+    Ok(value(geometry, site))
+}
+
+/// Reads files that a mesh file names.
+pub(super) fn beside<'s>(
+    path: &VPath,
+    site: &'s mut Site<'_>,
+) -> impl FnMut(&str) -> Result<Box<dyn AsRef<[u8]>>, String> + 's {
+    let folder = path.folder().to_owned();
+    let host = &mut *site.host;
+    move |written| {
+        // Some programs write the backslashes of Windows.
+        let other = VPath::resolve(&folder, &written.replace('\\', "/"));
+        let other = other.map_err(|error| format!("it names another file, and {error}"))?;
+        match host.read(&other) {
+            Ok(bytes) => Ok(Box::new(bytes)),
+            Err(error) => Err(format!("`{other}` cannot be read: {error}")),
+        }
+    }
+}
+
+pub(super) fn broken(path: &VPath, error: mesh::file::FileError) -> Problem {
+    let place = if error.place.is_empty() { path.to_string() } else { format!("{path}, {}", error.place) };
+    Problem::new("path", error.message).id("invalid-mesh-file").label(place).maybe_help(error.help)
+}
+
+pub(super) fn remark(path: &VPath, notes: Vec<mesh::file::Note>, site: &mut Site<'_>) {
     for note in notes.into_iter().filter(|note| note.severity >= Severity::Warn) {
         let place = if note.place.is_empty() { String::new() } else { format!(", {}", note.place) };
         let message = format!("`{path}`{place}: {}", note.message);
         site.remarks.push(Remark { message, help: note.help, lengths: note.lengths });
     }
-    Ok(value(geometry, site))
 }

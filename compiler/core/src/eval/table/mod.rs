@@ -4,6 +4,7 @@
 mod arrays;
 mod functions;
 mod generators;
+mod groups;
 mod lights;
 mod materials;
 mod meshes;
@@ -15,7 +16,7 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 use std::sync::{Arc, OnceLock};
 
-use crate::diag::Span;
+use crate::diag::{Finding, Span};
 use crate::files::{Bytes, ReadError, VPath};
 use crate::ir::{Affine, Color, ColorOrTexture, Handle, ImageInfo, Texture, Vec3};
 
@@ -34,6 +35,8 @@ pub enum Family {
     Light,
     /// A triangle mesh.
     Mesh,
+    /// Shapes that lie together.
+    Group,
     /// Moves or changes a mesh: `mesh |> stage(...)`.
     Stage,
     /// A camera.
@@ -56,11 +59,12 @@ pub enum Family {
 
 impl Family {
     /// All families in the order of the manual.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Material,
         Self::Emission,
         Self::Light,
         Self::Mesh,
+        Self::Group,
         Self::Stage,
         Self::Camera,
         Self::Film,
@@ -79,6 +83,7 @@ impl Family {
             Self::Emission => "an emission",
             Self::Light => "a light",
             Self::Mesh => "a mesh",
+            Self::Group => "a group",
             Self::Stage => "a stage",
             Self::Camera => "a camera",
             Self::Film => "a film",
@@ -279,6 +284,8 @@ pub(super) struct Site<'s> {
     pub host: &'s mut dyn Host,
     /// Things to say although the value could be made.
     pub remarks: Vec<Remark>,
+    /// Other findings.
+    pub findings: Vec<Finding>,
 }
 
 /// Something to say although the value could be made.
@@ -311,7 +318,7 @@ impl Site<'_> {
 
 /// All rows, family by family.
 pub fn table() -> impl Iterator<Item = &'static Constructor> {
-    let parts: [&'static [Constructor]; 9] = [
+    let parts: [&'static [Constructor]; 10] = [
         materials::ROWS,
         textures::ROWS,
         lights::ROWS,
@@ -321,6 +328,7 @@ pub fn table() -> impl Iterator<Item = &'static Constructor> {
         settings::ROWS,
         functions::ROWS,
         arrays::ROWS,
+        groups::ROWS,
     ];
     parts.into_iter().flatten()
 }

@@ -2,7 +2,7 @@
 
 use super::{FileError, Note, plural};
 use crate::ir::normalized;
-use crate::mesh::{Geometry, is_unit};
+use crate::mesh::{Geometry, faceted, is_unit};
 
 /// Polygons on their way to triangles.
 #[derive(Default)]
@@ -118,4 +118,14 @@ pub(super) fn finish(
         notes.push(Note::info(place(first), message));
     }
     Ok(())
+}
+
+/// The geometry with the normals of its faces. Triangles without area are left out.
+pub(super) fn flat(geometry: Geometry, notes: &mut Vec<Note>) -> Result<Geometry, FileError> {
+    let (made, dropped) = faceted(geometry).map_err(|error| FileError::new("", error.message))?;
+    if dropped > 0 {
+        let message = format!("{} without area left out", plural(dropped as u64, "triangle"));
+        notes.push(Note::info("", message));
+    }
+    Ok(made)
 }

@@ -1,16 +1,22 @@
-//! Mesh files: PLY and OBJ, as bytes in memory.
+//! Mesh files: PLY, OBJ, STL and glTF, as bytes in memory.
 //!
 //! A file may be anything: no input makes a reader panic, and no number in a header makes it allocate more than a small
 //! multiple of the bytes that are there.
 
 mod finish;
+mod gltf;
+mod model;
+mod mtl;
 mod obj;
 mod ply;
+mod stl;
 
 use std::fmt;
 
+pub use model::{Model, NAMELESS, Part, Picture, Scatter, Surface};
+
 use super::Geometry;
-use crate::diag::Severity;
+use crate::diag::{Severity, nearest};
 
 /// Why a mesh file cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -78,32 +84,92 @@ impl Note {
 }
 
 /// The endings of the files that [`read`] knows.
-pub const EXTENSIONS: &[&str] = &["ply", "obj"];
+pub const EXTENSIONS: &[&str] = &["ply", "obj", "stl", "glb", "gltf"];
 
-/// The mesh in the file with these bytes; `part` selects an object or a group of an OBJ file. The result has at least
-/// one triangle and passes [`Geometry::check`]; it has normals and texture coordinates where the file has them for every
-/// corner.
+/// The bytes of a file that a mesh file names, by its path from the folder of the mesh file; what is wrong, in words.
+pub type Beside<'f> = dyn FnMut(&str) -> Result<Box<dyn AsRef<[u8]>>, String> + 'f;
+
+/// The mesh in the file with these bytes; `part` selects an object or a group of an OBJ file, a solid of an STL file that is
+/// text, a node or a mesh of a glTF file. The result has at least one triangle and passes [`Geometry::check`]; it has
+/// normals and texture coordinates where the file has them for every corner.
 ///
 /// # Errors
 /// An ending that is not in [`EXTENSIONS`], a part that is not there, and whatever is wrong with the bytes.
-pub fn read(extension: &str, bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<Note>), FileError> {
+pub fn read(
+    extension: &str,
+    bytes: &[u8],
+    part: Option<&str>,
+    beside: &mut Beside<'_>,
+) -> Result<(Geometry, Vec<Note>), FileError> {
     match extension.to_ascii_lowercase().as_str() {
         "ply" => match part {
             None => ply::read(bytes),
             Some(_) => Err(FileError::new("", "a PLY file has no parts").help("leave out `part`")),
         },
         "obj" => obj::read(bytes, part),
-        other => Err(FileError::new("", format!("mesh files with the ending `{other}` cannot be read"))
-            .help("convert the mesh to PLY or OBJ")),
+        "stl" => stl::read(bytes, part),
+        "glb" | "gltf" => {
+            let (model, mut notes) = gltf::read(bytes, part, beside)?;
+            Ok((model.merged(&mut notes)?, notes))
+        }
+        other => Err(unknown(other)),
     }
 }
 
-/// The names of the objects and groups of an OBJ file that have faces, in their order; none for other files.
+/// All parts of the file with these bytes, with their materials where it has some. Each mesh has at least one triangle,
+/// normals, flat ones where the file has none, and passes [`Geometry::check`].
+///
+/// # Errors
+/// As [`read`].
+pub fn read_parts(extension: &str, bytes: &[u8], beside: &mut Beside<'_>) -> Result<(Model, Vec<Note>), FileError> {
+    let (model, mut notes) = match extension.to_ascii_lowercase().as_str() {
+        "ply" => ply::read(bytes).map(|(geometry, notes)| (Model::of(geometry), notes))?,
+        "obj" => obj::read_parts(bytes, beside)?,
+        "stl" => stl::read(bytes, None).map(|(geometry, notes)| (Model::of(geometry), notes))?,
+        "glb" | "gltf" => gltf::read(bytes, None, beside)?,
+        other => return Err(unknown(other)),
+    };
+    Ok((model.with_normals(&mut notes)?, notes))
+}
+
+/// A [`Beside`] for where there is nothing but the file.
+///
+/// # Errors
+/// Always.
+pub fn alone(path: &str) -> Result<Box<dyn AsRef<[u8]>>, String> {
+    Err(format!("`{}` cannot be read: only the mesh file itself is there", shown(path)))
+}
+
+fn unknown(extension: &str) -> FileError {
+    FileError::new("", format!("mesh files with the ending `{extension}` cannot be read"))
+        .help("convert the mesh to PLY, OBJ, STL or glTF")
+}
+
+/// The names of the objects and groups of an OBJ file that have faces, or of the solids of an STL file, in their order; none
+/// for other files.
 ///
 /// # Errors
 /// As [`read`] of the whole file.
 pub fn parts(extension: &str, bytes: &[u8]) -> Result<Vec<String>, FileError> {
-    if extension.eq_ignore_ascii_case("obj") { obj::parts(bytes) } else { Ok(Vec::new()) }
+    match extension.to_ascii_lowercase().as_str() {
+        "obj" => obj::parts(bytes),
+        "stl" => stl::parts(bytes),
+        _ => Ok(Vec::new()),
+    }
+}
+
+/// A part is not among those of the file, which are called `names`; `kind` says what parts are.
+fn missing_part(kind: &str, part: &str, names: &[String]) -> FileError {
+    let error = FileError::new("", format!("the file has no {kind} `{}` with faces", shown(part)));
+    if names.is_empty() {
+        return error.help(format!("leave out `part`: the file has no {kind} with a name"));
+    }
+    if let Some(meant) = nearest(part, names.iter().map(String::as_str)) {
+        return error.help(format!("is `{}` meant?", shown(meant)));
+    }
+    let listed: Vec<String> = names.iter().take(12).map(|name| format!("`{}`", shown(name))).collect();
+    let more = if names.len() > 12 { ", ..." } else { "" };
+    error.help(format!("its parts are {}{more}", listed.join(", ")))
 }
 
 /// `1 face`, `2 faces`.

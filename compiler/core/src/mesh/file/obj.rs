@@ -3,12 +3,13 @@
 //! Own code instead of the crate tobj, which gives errors without a line, takes index 0 for a missing one, reads `l`
 //! lines as faces and overflows on negative indices before the first element. The tests compare the two on good files.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::str::FromStr;
 
 use super::finish::{Faces, finish};
-use super::{FileError, Note, plural};
-use crate::diag::nearest;
+use super::model::{Model, Part, Surface, Unique};
+use super::{Beside, FileError, Note, missing_part, mtl, plural};
+use crate::ir::Affine;
 use crate::mesh::Geometry;
 
 const NONE: u32 = u32::MAX;
@@ -25,9 +26,27 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<No
     if let Some(part) = part
         && !reader.found
     {
-        return Err(missing(part, &reader.names()));
+        return Err(missing_part("object or group", part, &reader.names()));
     }
     reader.finish(bytes)
+}
+
+/// Reads the objects or groups, one part for each material in each, with the materials of the libraries that it names.
+pub(super) fn read_parts(bytes: &[u8], beside: &mut Beside<'_>) -> Result<(Model, Vec<Note>), FileError> {
+    let mut reader = Reader { selected: true, split: true, ..Reader::default() };
+    reader.run(bytes)?;
+    reader.check_forward_indices()?;
+    let mut notes = Vec::new();
+    let mut surfaces = Vec::new();
+    let mut known = BTreeMap::new();
+    for (name, line) in std::mem::take(&mut reader.libraries) {
+        let path = String::from_utf8_lossy(&name).into_owned();
+        match beside(&path) {
+            Ok(library) => mtl::read((*library).as_ref(), &path, &mut surfaces, &mut known, &mut notes)?,
+            Err(message) => notes.push(Note::warn(format!("line {line}"), message)),
+        }
+    }
+    reader.model(bytes, surfaces, &known, notes)
 }
 
 /// The names of the objects and groups that have faces.
@@ -36,19 +55,6 @@ pub(super) fn parts(bytes: &[u8]) -> Result<Vec<String>, FileError> {
     reader.run(bytes)?;
     reader.check_forward_indices()?;
     Ok(reader.names())
-}
-
-fn missing(part: &str, names: &[String]) -> FileError {
-    let error = FileError::new("", format!("the file has no object or group `{}` with faces", shown(part.as_bytes())));
-    if names.is_empty() {
-        return error.help("leave out `part`: the file has no objects and groups");
-    }
-    if let Some(meant) = nearest(part, names.iter().map(String::as_str)) {
-        return error.help(format!("is `{}` meant?", shown(meant.as_bytes())));
-    }
-    let listed: Vec<String> = names.iter().take(12).map(|name| format!("`{}`", shown(name.as_bytes()))).collect();
-    let more = if names.len() > 12 { ", ..." } else { "" };
-    error.help(format!("its parts are {}{more}", listed.join(", ")))
 }
 
 /// A corner of a face: a position, and a texture coordinate and a normal or [`NONE`].
@@ -82,6 +88,21 @@ struct Reader<'a> {
     unread: BTreeMap<&'static str, (usize, u64)>,
     unknown: Option<(usize, String, u64)>,
     smoothing: Option<usize>,
+    /// Whether the faces are to be told apart by their material, the current one, and whether anything that tells them
+    /// apart has changed since the last face.
+    split: bool,
+    material: Vec<u8>,
+    same: bool,
+    runs: Vec<Run>,
+    /// Material libraries with their lines.
+    libraries: Vec<(Vec<u8>, usize)>,
+}
+
+/// Faces of one part and one material, from triangle `first` on.
+struct Run {
+    first: usize,
+    part: Vec<u8>,
+    material: Vec<u8>,
 }
 
 impl Reader<'_> {
@@ -157,6 +178,22 @@ impl Reader<'_> {
                 }
                 Ok(())
             }
+            b"mtllib" if self.split => {
+                // Names may contain blanks, and a statement several names: only one with an ending is told.
+                let several = rest.windows(5).any(|end| end.eq_ignore_ascii_case(b".mtl "));
+                let names = if several { words(rest).map(<[u8]>::to_vec).collect() } else { vec![rest.to_vec()] };
+                for name in names {
+                    if !self.libraries.iter().any(|(known, _)| *known == name) {
+                        self.libraries.push((name, number));
+                    }
+                }
+                Ok(())
+            }
+            b"usemtl" if self.split => {
+                self.material = rest.to_vec();
+                self.same = false;
+                Ok(())
+            }
             b"mtllib" | b"usemtl" => {
                 self.skip("materials are not read: a shape gets its own by `with`", number);
                 Ok(())
@@ -210,6 +247,12 @@ impl Reader<'_> {
             return Ok(());
         }
         self.found = true;
+        if self.split && !self.same {
+            self.same = true;
+            let part = if self.object.is_empty() { &self.groups } else { &self.object };
+            let first = self.faces.triangles.len();
+            self.runs.push(Run { first, part: part.clone(), material: self.material.clone() });
+        }
         self.scratch.clear();
         for word in words(rest) {
             let mut corner = [NONE; 3];
@@ -276,7 +319,7 @@ impl Reader<'_> {
 
     /// Decides whether the faces that follow are wanted.
     fn select(&mut self) {
-        self.fresh = true;
+        (self.fresh, self.same) = (true, false);
         if let Some(part) = self.part {
             self.selected =
                 self.object == part || self.groups == part || words(&self.groups).any(|group| group == part);
@@ -304,8 +347,8 @@ impl Reader<'_> {
         self.unread.entry(reason).or_insert((number, 0)).1 += 1;
     }
 
-    fn finish(self, bytes: &[u8]) -> Result<(Geometry, Vec<Note>), FileError> {
-        let mut notes = Vec::new();
+    /// Notes what was not read.
+    fn say(&self, notes: &mut Vec<Note>) {
         for (reason, (line, _)) in &self.unread {
             notes.push(Note::info(format!("line {line}"), *reason));
         }
@@ -313,7 +356,82 @@ impl Reader<'_> {
             let message = format!("{} not understood, the first is `{word}`", plural(*count, "line"));
             notes.push(Note::warn(format!("line {line}"), message).help("is this an OBJ file?"));
         }
-        let triangles = self.faces.finish(&mut notes)?;
+    }
+
+    fn finish(mut self, bytes: &[u8]) -> Result<(Geometry, Vec<Note>), FileError> {
+        let mut notes = Vec::new();
+        self.say(&mut notes);
+        let triangles = std::mem::take(&mut self.faces).finish(&mut notes)?;
+        let mut newest = vec![NONE; self.positions.len()];
+        let geometry = self.build(&triangles, &mut newest, bytes, &mut notes)?;
+        Ok((geometry, notes))
+    }
+
+    fn model(
+        mut self,
+        bytes: &[u8],
+        surfaces: Vec<Surface>,
+        known: &BTreeMap<Vec<u8>, usize>,
+        mut notes: Vec<Note>,
+    ) -> Result<(Model, Vec<Note>), FileError> {
+        self.say(&mut notes);
+        let triangles = std::mem::take(&mut self.faces).finish(&mut notes)?;
+        // The triangles of each part and material, in the order in which these come first.
+        let mut ranks = BTreeMap::new();
+        let mut parts: Vec<(&Run, Vec<[u32; 3]>)> = Vec::new();
+        for (at, run) in self.runs.iter().enumerate() {
+            let end = self.runs.get(at + 1).map_or(triangles.len(), |next| next.first);
+            let own = &triangles[run.first.min(end)..end];
+            if own.is_empty() {
+                continue;
+            }
+            let rank = *ranks.entry((&run.part, &run.material)).or_insert(parts.len());
+            if rank == parts.len() {
+                parts.push((run, Vec::new()));
+            }
+            parts[rank].1.extend_from_slice(own);
+        }
+        let mut model = Model { surfaces, ..Model::default() };
+        let mut names = Unique::default();
+        let mut newest = vec![NONE; self.positions.len()];
+        let mut missing = BTreeSet::new();
+        let mut materials: BTreeMap<&[u8], BTreeSet<&[u8]>> = BTreeMap::new();
+        for Run { first: _, part, material } in &self.runs {
+            materials.entry(part).or_default().insert(material);
+        }
+        for (Run { first: _, part, material }, own) in parts {
+            let geometry = self.build(&own, &mut newest, bytes, &mut notes)?;
+            let surface = known.get(material).copied();
+            if surface.is_none() && !material.is_empty() {
+                missing.insert(shown(material));
+            }
+            let several = materials.get(part.as_slice()).is_some_and(|all| all.len() > 1);
+            let name = String::from_utf8_lossy(part).into_owned();
+            let name = match (several, name.is_empty()) {
+                (false, _) => name,
+                (true, true) => String::from_utf8_lossy(material).into_owned(),
+                (true, false) => format!("{name} {}", String::from_utf8_lossy(material)),
+            };
+            let name = names.name(&name);
+            model.parts.push(Part { name, mesh: model.meshes.len(), surface, transform: Affine::IDENTITY });
+            model.meshes.push((String::from_utf8_lossy(part).into_owned(), geometry));
+        }
+        if let Some(first) = missing.first() {
+            let message = format!("{} in no library, the first is `{first}`", plural(missing.len() as u64, "material"));
+            notes.push(Note::warn("", message));
+        }
+        Ok((model, notes))
+    }
+
+    /// The mesh of some triangles over the corners. `newest` is as long as the positions and full of [`NONE`], also
+    /// afterwards.
+    fn build(
+        &self,
+        triangles: &[[u32; 3]],
+        newest: &mut [u32],
+        bytes: &[u8],
+        notes: &mut Vec<Note>,
+    ) -> Result<Geometry, FileError> {
         let total = triangles.len() as u64 * 3;
         // Per corner of a triangle: faces of fewer than three corners do not count.
         let having = |list: usize| {
@@ -339,8 +457,8 @@ impl Reader<'_> {
             uvs: with_uvs.then(Vec::new),
             triangles: Vec::with_capacity(triangles.len()),
         };
-        // For each position the newest vertex made from it, for each vertex the one before it and its corner.
-        let mut newest = vec![NONE; self.positions.len()];
+        // For each position `newest` has the newest vertex made from it, `made` for each vertex the one before it and its
+        // corner.
         let mut made: Vec<(u32, Corner)> = Vec::new();
         for triangle in triangles {
             geometry.triangles.push(triangle.map(|corner| {
@@ -369,9 +487,12 @@ impl Reader<'_> {
                 vertex
             }));
         }
+        for (_, [position, _, _]) in &made {
+            newest[*position as usize] = NONE;
+        }
         // Only a normal can be unfit now.
-        finish(&mut geometry, &mut notes, |vertex| line_of(bytes, b"vn", made[vertex].1[2]))?;
-        Ok((geometry, notes))
+        finish(&mut geometry, notes, |vertex| line_of(bytes, b"vn", made[vertex].1[2]))?;
+        Ok(geometry)
     }
 }
 

@@ -26,11 +26,11 @@ f -3/1/1 -2/1/1 -1/1/1
 ";
 
 fn obj(text: &str) -> (Geometry, Vec<Note>) {
-    read("obj", text.as_bytes(), None).expect("a good file")
+    read("obj", text.as_bytes(), None, &mut alone).expect("a good file")
 }
 
 fn fault(text: &str, part: Option<&str>) -> FileError {
-    read("OBJ", text.as_bytes(), part).map(|_| ()).expect_err("a bad file")
+    read("OBJ", text.as_bytes(), part, &mut alone).map(|_| ()).expect_err("a bad file")
 }
 
 #[test]
@@ -50,7 +50,9 @@ fn squares_are_read() {
 
 #[test]
 fn parts_are_objects_and_groups() {
-    let part = |name| read("obj", SQUARES.as_bytes(), Some(name)).map(|(g, _)| (g.positions.len(), g.triangles.len()));
+    let part = |name| {
+        read("obj", SQUARES.as_bytes(), Some(name), &mut alone).map(|(g, _)| (g.positions.len(), g.triangles.len()))
+    };
     assert_eq!(part("left"), Ok((4, 2)));
     for name in ["right", "up", "front", "up front"] {
         assert_eq!(part(name), Ok((3, 1)), "{name}");
@@ -59,7 +61,7 @@ fn parts_are_objects_and_groups() {
     assert_eq!(fault(SQUARES, Some("rigth")).help.as_deref(), Some("is `right` meant?"));
     let other = fault(SQUARES, Some("something else"));
     assert_eq!(other.help.as_deref(), Some("its parts are `left`, `right`, `up`, `front`"));
-    assert!(read("ply", b"ply", Some("left")).is_err());
+    assert!(read("ply", b"ply", Some("left"), &mut alone).is_err());
 }
 
 #[test]
@@ -114,7 +116,7 @@ fn faults_have_their_line() {
     let notes = obj(&text("v 1 1 1 0.5 0.5 0.5\nbogus\nbogus\nl 1 2\nv 1 1 1 2")).1;
     assert!(notes.iter().any(|note| note.message == "2 lines not understood, the first is `bogus`"), "{notes:?}");
     assert_eq!(notes.len(), 4, "{notes:?}");
-    assert!(read("stl", b"", None).is_err());
+    assert!(read("3ds", b"", None, &mut alone).is_err());
 }
 
 #[test]
@@ -148,13 +150,13 @@ proptest! {
     #[test]
     fn noise_does_no_harm(lines in prop::collection::vec(noisy_line(), 0..30), bytes in any::<Vec<u8>>()) {
         for bytes in [&lines.join("\n").into_bytes(), &bytes] {
-            let result = read("obj", bytes, None);
+            let result = read("obj", bytes, None, &mut alone);
             if let Ok((geometry, _)) = &result {
                 prop_assert_eq!(geometry.check(), Ok(()));
                 prop_assert!(!geometry.triangles.is_empty());
                 prop_assert!(geometry.triangles.len() <= bytes.len());
             }
-            let _ = read("obj", bytes, Some("1"));
+            let _ = read("obj", bytes, Some("1"), &mut alone);
             let _ = parts("obj", bytes);
         }
     }

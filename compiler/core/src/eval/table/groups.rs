@@ -1,0 +1,226 @@
+//! Groups that are read from files: `group g = file("x.glb")`.
+
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use crate::diag::{Finding, Severity};
+use crate::files::VPath;
+use crate::image;
+use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Encoding, Handle, ImageFile, Places, Texture};
+use crate::mesh::Geometry;
+use crate::mesh::file::{Model, NAMELESS, Part, Picture, Scatter, Surface, read_parts};
+
+use super::super::items::{GroupBody, Item};
+use super::super::value::{EmissionValue, GroupValue, MaterialValue, MeshValue, Ty, Value};
+use super::meshes::{beside, broken, read, remark};
+use super::{Args, Constructor, Family, Parameter, Problem, Site};
+
+pub(super) const ROWS: &[Constructor] = &[Constructor {
+    family: Family::Group,
+    name: "file",
+    summary: "All parts of a mesh file with their materials: OBJ with its `.mtl`, glTF (turned to z up), STL, PLY.",
+    params: &[Parameter { name: "path", ty: Ty::String, default: None, doc: "from the folder of this file, with `/`" }],
+    positional: 1,
+    example: "group bunny = file(\"meshes/bunny.ply\")\ninstance bunny = bunny |> scale(10)",
+    build: file,
+}];
+
+/// The surface of parts for which the file gives none.
+const GREY: f64 = 0.8;
+
+fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
+    let (path, bytes) = read(args, site)?;
+    let read = {
+        let mut beside = beside(&path, site);
+        read_parts(&path.extension(), &bytes, &mut beside)
+    };
+    let (model, notes) = read.map_err(|error| broken(&path, error))?;
+    remark(&path, notes, site);
+    let Model { meshes, surfaces, mut parts } = model;
+    if let [only] = parts.as_mut_slice()
+        && only.name == NAMELESS
+    {
+        path.stem().clone_into(&mut only.name);
+    }
+    let mut used = vec![false; surfaces.len()];
+    let mut bare = 0;
+    for part in &parts {
+        match part.surface.and_then(|surface| used.get_mut(surface)) {
+            Some(used) => *used = true,
+            None => bare += 1,
+        }
+    }
+    report(&path.to_string(), &surfaces, &used, bare, site);
+    let span = site.span;
+    let textures = textures(&path, &surfaces, &used, site);
+    let painted: Vec<Option<Rc<MaterialValue>>> = surfaces
+        .iter()
+        .zip(textures)
+        .map(|(surface, texture)| {
+            let bsdf = Bsdf::Diffuse { reflectance: ColorOrTexture::Texture(texture?) };
+            let own = matches!(self::bsdf(&surface.scatter).0, Bsdf::Diffuse { .. });
+            let name = (!surface.name.is_empty()).then(|| surface.name.clone());
+            own.then(|| Rc::new(MaterialValue { name, bsdf, span }))
+        })
+        .collect();
+    let material = |surface: &Surface| {
+        let Surface { name, scatter, emission, picture: _, lost: _ } = surface;
+        let material =
+            Rc::new(MaterialValue { name: (!name.is_empty()).then(|| name.clone()), bsdf: bsdf(scatter).0, span });
+        (material, emission.map(color))
+    };
+    let materials: Vec<_> = surfaces.iter().map(material).collect();
+    let grey = Bsdf::Diffuse { reflectance: Color::Grey(GREY).into() };
+    let grey = Rc::new(MaterialValue { name: Some("grey".to_owned()), bsdf: grey, span });
+    // A mesh without a name takes that of its first part.
+    let mut first = vec![""; meshes.len()];
+    for part in parts.iter().rev() {
+        if let Some(first) = first.get_mut(part.mesh) {
+            *first = &part.name;
+        }
+    }
+    let named = |((name, geometry), first): ((String, Geometry), &str)| {
+        Rc::new(geometry.into_mesh(if name.is_empty() { first.to_owned() } else { name }))
+    };
+    let meshes: Vec<Rc<_>> = meshes.into_iter().zip(first).map(named).collect();
+    let mut items = Vec::new();
+    for Part { name, mesh, surface, transform } in parts {
+        let found = surface.and_then(|surface| materials.get(surface)).cloned();
+        let (material, emission) = found.unwrap_or_else(|| (Rc::clone(&grey), None));
+        let Some(mesh) = meshes.get(mesh) else { continue };
+        // Without texture coordinates there is nothing to lay an image over.
+        let paint = surface.and_then(|surface| painted.get(surface)).and_then(Option::as_ref);
+        let material = paint.filter(|_| mesh.uvs.is_some()).map_or(material, Rc::clone);
+        let mesh = Rc::clone(mesh);
+        let mesh = MeshValue { mesh, transform, span };
+        let (material, emission) = match emission {
+            None => (Some(material), None),
+            Some(radiance) => (None, Some(Rc::new(EmissionValue { radiance, over: Some(material) }))),
+        };
+        items.push(Item { name, span, mesh, material, emission });
+    }
+    let size = items.len() as u64;
+    let name = path.stem().to_owned();
+    let body = GroupBody { name, span, items, lights: Vec::new(), instances: Vec::new(), size, depth: 1, lit: false };
+    Ok(Value::Group(GroupValue { body: Rc::new(body), places: Places::One(Affine::IDENTITY) }))
+}
+
+/// The images of the surfaces that are used. One that cannot be read is reported, and the surface keeps its plain colour.
+fn textures(path: &VPath, surfaces: &[Surface], used: &[bool], site: &mut Site<'_>) -> Vec<Option<Handle<Texture>>> {
+    let mut known: BTreeMap<String, Option<Handle<Texture>>> = BTreeMap::new();
+    let mut all = Vec::new();
+    for (surface, used) in surfaces.iter().zip(used) {
+        let Some(picture) = surface.picture.as_ref().filter(|_| *used) else {
+            all.push(None);
+            continue;
+        };
+        let key = match picture {
+            Picture::Beside(name) => name.clone(),
+            Picture::Inside { image, ending: _, bytes: _ } => format!("\0{image}"),
+        };
+        if let Some(known) = known.get(&key) {
+            all.push(*known);
+            continue;
+        }
+        let made = match texture(path, surface, picture, site) {
+            Ok(texture) => Some(site.host.texture(texture, site.span)),
+            Err(message) => {
+                let message = format!(
+                    "`{path}`: not read of the material `{}`: its texture, {message}",
+                    surface.name.escape_debug()
+                );
+                site.findings.push(Finding::new("loss-dropped", Severity::Warn, site.span, message));
+                None
+            }
+        };
+        known.insert(key, made);
+        all.push(made);
+    }
+    all
+}
+
+fn texture(path: &VPath, surface: &Surface, picture: &Picture, site: &mut Site<'_>) -> Result<Texture, String> {
+    let (name, ending, file) = match picture {
+        Picture::Inside { image: _, ending, bytes } => {
+            (surface.name.clone(), (*ending).to_owned(), ImageFile::new(bytes))
+        }
+        Picture::Beside(written) => {
+            let other =
+                VPath::resolve(path.folder(), &written.replace('\\', "/")).map_err(|error| error.to_string())?;
+            let bytes = site.host.read(&other).map_err(|error| format!("`{other}`: {error}"))?;
+            (other.stem().to_owned(), other.extension(), ImageFile::new(&bytes))
+        }
+    };
+    let image = image::read(&ending, &file).map_err(|error| format!("`{name}` {}", error.message))?;
+    let encoding = if image.format.is_float() { Encoding::Linear } else { Encoding::Srgb };
+    Ok(Texture { name, file, image, encoding })
+}
+
+/// Says what of the materials is not read, or not exactly; once for each reason.
+fn report(path: &str, surfaces: &[Surface], used: &[bool], bare: usize, site: &mut Site<'_>) {
+    let mut dropped: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    let mut nearly: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    let mut shining = Vec::new();
+    for (surface, _) in surfaces.iter().zip(used).filter(|(_, used)| **used) {
+        for what in &surface.lost {
+            dropped.entry(what).or_default().push(&surface.name);
+        }
+        if let Some(what) = bsdf(&surface.scatter).1 {
+            nearly.entry(what).or_default().push(&surface.name);
+        }
+        if surface.emission.is_some() {
+            shining.push(surface.name.as_str());
+        }
+    }
+    if !shining.is_empty() {
+        nearly.entry("emission is taken for radiance in W/(m2 sr)").or_default().extend(shining);
+    }
+    let span = site.span;
+    for (what, names) in dropped {
+        let message = format!("`{path}`: not read of {}: {what}", listed(&names));
+        site.findings.push(Finding::new("loss-dropped", Severity::Warn, span, message));
+    }
+    for (what, names) in nearly {
+        let message = format!("`{path}`: nearly read of {}: {what}", listed(&names));
+        site.findings.push(Finding::new("loss-approximated", Severity::Info, span, message));
+    }
+    if bare > 0 {
+        let (parts, have) = if bare == 1 { ("part", "has") } else { ("parts", "have") };
+        let message = format!("`{path}`: {bare} {parts} {have} no material and become `diffuse({GREY})`");
+        site.findings.push(Finding::new("loss-approximated", Severity::Info, span, message));
+    }
+}
+
+/// `2 materials (a, b)`, at most five by name.
+fn listed(names: &[&str]) -> String {
+    let shown: Vec<String> = names.iter().take(5).map(|name| format!("`{}`", name.escape_debug())).collect();
+    let more = if names.len() > 5 { ", ..." } else { "" };
+    let word = if names.len() == 1 { "material" } else { "materials" };
+    format!("{} {word} ({}{more})", names.len(), shown.join(", "))
+}
+
+fn color([r, g, b]: [f64; 3]) -> Color {
+    if r == g && g == b { Color::Grey(r) } else { Color::Rgb([r, g, b]) }
+}
+
+/// The scattering of a surface, and in words how it differs from what the file says.
+fn bsdf(scatter: &Scatter) -> (Bsdf, Option<&'static str>) {
+    match *scatter {
+        Scatter::Diffuse(reflectance) => (Bsdf::Diffuse { reflectance: color(reflectance).into() }, None),
+        Scatter::Mirror(reflectance) => (Bsdf::Mirror { reflectance: color(reflectance) }, None),
+        Scatter::Glass { ior, alpha } => (Bsdf::Dielectric { interior: ior, exterior: 1.0, alpha }, None),
+        Scatter::MetallicRoughness { base, metallic, roughness, ior: _ } => {
+            if metallic < 0.5 {
+                let what = "the specular reflection of what is no metal is left out";
+                return (Bsdf::Diffuse { reflectance: color(base).into() }, Some(what));
+            }
+            // The real index of refraction that reflects as much at right angles: r = ((n - 1) / (n + 1))^2.
+            let index = |reflectance: f64| {
+                let root = reflectance.clamp(0.0, 0.98).sqrt();
+                (1.0 + root) / (1.0 - root)
+            };
+            let bsdf = Bsdf::Conductor { eta: color(base.map(index)), k: Color::BLACK, alpha: roughness * roughness };
+            (bsdf, Some("metal has its reflectance at right angles, and a real index of refraction"))
+        }
+    }
+}
