@@ -68,8 +68,7 @@ fn error(targets: &[f64], n: f64, k: f64) -> f64 {
 pub fn fit(eta: f64, k: f64) -> Fit {
     let targets: Vec<f64> = cosines().map(|cosine| exact(eta, k, cosine)).collect();
     // Powers of the root of 2 from 1/32 to 64.
-    const HALVES: [f64; 2] = [1.0, std::f64::consts::SQRT_2];
-    let grid = || (-10_i32..12).map(|at| 2.0_f64.powi(at.div_euclid(2)) * HALVES[at.rem_euclid(2) as usize]);
+    let grid = || (-10_i32..=12).map(|at| libm::exp2(f64::from(at) / 2.0));
     let mut best = (error(&targets, eta, k), eta, k);
     for n in grid() {
         for k in grid() {
