@@ -184,7 +184,7 @@ pub const DEFECTS: &[Defect] = &[
         codes: &["dielectric-contact"],
         also: &[],
         inject: |mutant| {
-            at_wall(mutant, "shape cube = box(x: -1..1, y: -1..1, z: 0..2) % with dielectric(ior: 1.5)", 0.0005)
+            at_wall(mutant, "shape cube = box(x: -1..1, y: -1..1, z: 0..2) % with dielectric(ior: 1.5)", 0.0003)
         },
     },
     // Dielectrics.
