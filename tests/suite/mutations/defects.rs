@@ -144,7 +144,7 @@ pub const DEFECTS: &[Defect] = &[
         "a plate thinner than a ten thousandth of its coordinates",
         ["far-from-origin"],
         [],
-        "shape plate = box(size: (2, 2, 0.001)) |> translate@ with diffuse(0.5)"
+        "shape plate = box(size: (2, 2, 0.0001)) |> translate@ with diffuse(0.5)"
     ),
     // Contacts.
     Defect {
@@ -184,7 +184,7 @@ pub const DEFECTS: &[Defect] = &[
         codes: &["dielectric-contact"],
         also: &[],
         inject: |mutant| {
-            at_wall(mutant, "shape cube = box(x: -1..1, y: -1..1, z: 0..2) % with dielectric(ior: 1.5)", 0.001)
+            at_wall(mutant, "shape cube = box(x: -1..1, y: -1..1, z: 0..2) % with dielectric(ior: 1.5)", 0.0003)
         },
     },
     // Dielectrics.
@@ -258,12 +258,18 @@ pub const DEFECTS: &[Defect] = &[
         [],
         "shape block = box(size: 2) |> translate@ with diffuse(spectrum([(510, 0), (520, 0.9), (530, 0)]))"
     ),
-    beside!(
-        "a saturated colour",
-        ["saturated-albedo"],
-        [],
-        "shape block = box(size: 2) |> translate@ with diffuse(rgb(0.6, 0.05, 0.06))"
-    ),
+    Defect {
+        what: "a saturated colour",
+        codes: &["saturated-albedo"],
+        also: &[],
+        inject: |mutant| {
+            // Colours drift from the second bounce on.
+            if mutant.scene.integrator.max_depth() < 3 {
+                return Broken::Impossible;
+            }
+            graft(mutant, "shape block = box(size: 2) |> translate@ with diffuse(rgb(0.6, 0.05, 0.06))")
+        },
+    },
     // Names.
     Defect {
         what: "a material of the text that nothing has",
