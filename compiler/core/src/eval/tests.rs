@@ -2,7 +2,7 @@
 
 use crate::diag::Sources;
 use crate::files::{MemoryFiles, VPath};
-use crate::ir::{Color, LightKind, LightSource};
+use crate::ir::{Bsdf, Color, LightKind, LightSource};
 
 use super::*;
 
@@ -31,6 +31,17 @@ fn evaluated(statements: &str) -> Evaluated {
          property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
     );
     files.insert("textures/oak.png", include_bytes!("../../../../tests/cases/textures/quads.png"));
+    files.insert("meshes/table.glb", include_bytes!("../../../../tests/cases/meshes/table.glb"));
+    files.insert(
+        "meshes/board.obj",
+        "mtllib board.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\no top\nusemtl oak\nf 1/1 2/2 3/3\nusemtl glass\n\
+         f 3 2 1\no side\nusemtl oak\nf 1 2 3\no lamp\nusemtl lamp\nf 1 2 3\n",
+    );
+    files.insert(
+        "meshes/board.mtl",
+        "newmtl oak\nKd 0.5 0.25 0\nmap_Kd ../textures/oak.png\nnewmtl glass\nKd 1 1 1\nNi 1.33\nillum 7\nnewmtl lamp\n\
+         Kd 0 0 0\nKe 3 3 3\n",
+    );
     files.insert("forest.npy", npy("(2, 3)", &[1.0, 2.0, 3.0, -4.0, 5.0, 6.5]));
     files.insert(
         "turned.npy",
@@ -222,4 +233,39 @@ fn a_large_text_means_what_a_small_one_does() {
         "{small:?}"
     );
     assert_eq!((small[0].2, small[1].2, small[2].2), (1, 1, 0), "declared below, in the same statement, nowhere");
+}
+
+#[test]
+fn groups_of_files_have_their_materials() {
+    let Evaluated { scene, findings, .. } = evaluated(
+        "group board = file(\"meshes/board.obj\") |> scale(2)\ninstance board = board |> translate(1, 0, 0)\n\
+         instance table = file(\"meshes/table.glb\")\n",
+    );
+    let scene = scene.unwrap_or_else(|| panic!("{findings:#?}"));
+    let group = |name: &str| scene.groups.values().find(|group| group.name == name).expect("a group");
+    let parts = |name: &str| -> Vec<(String, String, &Bsdf)> {
+        let material = |shape: &crate::ir::Shape| &scene.materials[shape.material];
+        let told = |shape: &crate::ir::Shape| (shape.name.clone(), material(shape).name.clone(), &material(shape).bsdf);
+        group(name).shapes.values().map(told).collect()
+    };
+    let board = parts("board");
+    let names: Vec<(&str, &str)> = board.iter().map(|(part, material, _)| (part.as_str(), material.as_str())).collect();
+    assert_eq!(names, [("top oak", "oak"), ("top glass", "glass"), ("side", "oak"), ("lamp", "lamp")]);
+    assert!(board[0].2.texture().is_some(), "{:?}", board[0].2);
+    let plain = Bsdf::Diffuse { reflectance: Color::Rgb([0.5, 0.25, 0.0]).into() };
+    assert_eq!(*board[2].2, plain, "without texture coordinates there is nothing to lay the image over");
+    assert_eq!(*board[1].2, Bsdf::Dielectric { interior: 1.33, exterior: 1.0, alpha: 0.0 });
+    let lamp = group("board").shapes.values().last().expect("a lamp");
+    assert_eq!(lamp.emission.as_ref().map(|emission| emission.radiance.clone()), Some(Color::Grey(3.0)));
+    let table = parts("table");
+    let names: Vec<&str> = table.iter().map(|(part, _, _)| part.as_str()).collect();
+    assert_eq!(names, ["crate", "window", "lamp", "knob"]);
+    assert!(matches!(table[0].2, Bsdf::Principled { metallic: 0.0, roughness: 1.0, ior: 1.5, .. }), "{:?}", table[0].2);
+    assert!(matches!(table[1].2, Bsdf::Dielectric { .. }) && matches!(table[3].2, Bsdf::Principled { .. }));
+    assert!(scene.meshes.values().all(|mesh| mesh.normals.is_some()), "flat where the file has none");
+    let codes: Vec<(&str, Severity)> = findings.iter().map(|finding| (finding.id, finding.severity)).collect();
+    assert!(
+        codes.contains(&("loss-dropped", Severity::Warn)) && codes.contains(&("loss-approximated", Severity::Info))
+    );
+    assert!(crate::pipeline::prepare(scene.clone()).is_ok());
 }

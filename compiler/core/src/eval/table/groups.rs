@@ -57,16 +57,18 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
         .iter()
         .zip(textures)
         .map(|(surface, texture)| {
-            let bsdf = Bsdf::Diffuse { reflectance: ColorOrTexture::Texture(texture?) };
-            let own = matches!(self::bsdf(&surface.scatter).0, Bsdf::Diffuse { .. });
+            let (bsdf, _) = bsdf(&surface.scatter, Some(texture?));
             let name = (!surface.name.is_empty()).then(|| surface.name.clone());
-            own.then(|| Rc::new(MaterialValue { name, bsdf, span }))
+            bsdf.texture().map(|_| Rc::new(MaterialValue { name, bsdf, span }))
         })
         .collect();
     let material = |surface: &Surface| {
         let Surface { name, scatter, emission, picture: _, lost: _ } = surface;
-        let material =
-            Rc::new(MaterialValue { name: (!name.is_empty()).then(|| name.clone()), bsdf: bsdf(scatter).0, span });
+        let material = Rc::new(MaterialValue {
+            name: (!name.is_empty()).then(|| name.clone()),
+            bsdf: bsdf(scatter, None).0,
+            span,
+        });
         (material, emission.map(color))
     };
     let materials: Vec<_> = surfaces.iter().map(material).collect();
@@ -165,7 +167,7 @@ fn report(path: &str, surfaces: &[Surface], used: &[bool], bare: usize, site: &m
         for what in &surface.lost {
             dropped.entry(what).or_default().push(&surface.name);
         }
-        if let Some(what) = bsdf(&surface.scatter).1 {
+        if let Some(what) = bsdf(&surface.scatter, None).1 {
             nearly.entry(what).or_default().push(&surface.name);
         }
         if surface.emission.is_some() {
@@ -203,24 +205,20 @@ fn color([r, g, b]: [f64; 3]) -> Color {
     if r == g && g == b { Color::Grey(r) } else { Color::Rgb([r, g, b]) }
 }
 
-/// The scattering of a surface, and in words how it differs from what the file says.
-fn bsdf(scatter: &Scatter) -> (Bsdf, Option<&'static str>) {
+/// The scattering of a surface, under a texture if it has one, and in words how it differs from what the file says.
+fn bsdf(scatter: &Scatter, texture: Option<Handle<Texture>>) -> (Bsdf, Option<&'static str>) {
+    let paint = |plain| texture.map_or_else(|| color(plain).into(), ColorOrTexture::Texture);
     match *scatter {
-        Scatter::Diffuse(reflectance) => (Bsdf::Diffuse { reflectance: color(reflectance).into() }, None),
+        Scatter::Diffuse(reflectance) => (Bsdf::Diffuse { reflectance: paint(reflectance) }, None),
         Scatter::Mirror(reflectance) => (Bsdf::Mirror { reflectance: color(reflectance) }, None),
         Scatter::Glass { ior, alpha } => (Bsdf::Dielectric { interior: ior, exterior: 1.0, alpha }, None),
-        Scatter::MetallicRoughness { base, metallic, roughness, ior: _ } => {
-            if metallic < 0.5 {
-                let what = "the specular reflection of what is no metal is left out";
-                return (Bsdf::Diffuse { reflectance: color(base).into() }, Some(what));
-            }
-            // The real index of refraction that reflects as much at right angles: r = ((n - 1) / (n + 1))^2.
-            let index = |reflectance: f64| {
-                let root = reflectance.clamp(0.0, 0.98).sqrt();
-                (1.0 + root) / (1.0 - root)
-            };
-            let bsdf = Bsdf::Conductor { eta: color(base.map(index)), k: Color::BLACK, alpha: roughness * roughness };
-            (bsdf, Some("metal has its reflectance at right angles, and a real index of refraction"))
+        // At an index of 1 nothing is reflected at the surface.
+        Scatter::MetallicRoughness { base, metallic: 0.0, roughness: _, ior } if ior <= 1.0 => {
+            (Bsdf::Diffuse { reflectance: paint(base) }, None)
+        }
+        Scatter::MetallicRoughness { base, metallic, roughness, ior } => {
+            let bsdf = Bsdf::Principled { base: paint(base), metallic, roughness, ior: ior.max(1.000_001) };
+            (bsdf, Some("the model of glTF becomes `principled`, whose base is not Lambert's but Burley's"))
         }
     }
 }
