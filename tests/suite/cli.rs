@@ -6,7 +6,7 @@ use std::path::Path;
 use super::{files_below, ltsc, root, run};
 
 const MINIMAL: &str = "lts 1\n/// A.\n///\n/// B.\nscene NAME { paths: [\"LDE\"] }\n\
-    camera = perspective(eye: (0, -10, 2), target: (0, 0, 2), fov_x: 45deg)\nfilm = image(16, 8)\n\
+    camera = perspective(eye: (0, -10, 2), target: (0, 0, 4), fov_x: 45deg)\nfilm = image(16, 8)\n\
     integrator = path(max_depth: 3)\nsampler = independent(samples: 4)\n\
     emitter lamp = rectangle(x: -1..1, y: -1..1, z: 5, normal: -Z) with radiance(10)\n";
 
@@ -151,7 +151,7 @@ fn settings_of_the_command_line_reach_the_files() {
 #[test]
 fn every_target_looks_through_the_camera_asked_for() {
     let (folder, path) = scene("one", "");
-    let named = "camera nave = perspective(eye: (0, -10, 2), target: (0, 0, 2), fov_x: 45deg)\n\
+    let named = "camera nave = perspective(eye: (0, -10, 2), target: (0, 0, 4), fov_x: 45deg)\n\
                  camera above = perspective(eye: (0, 0, 77), target: (0, 0, 0), up: Y, fov_x: 45deg)\n";
     let text = MINIMAL.replace("NAME", "one");
     let text: String =
@@ -400,7 +400,11 @@ fn a_scene_without_shapes_is_refused_when_it_is_built() {
         .collect::<Vec<_>>()
         .join("\n");
     fs::write(&path, text).expect("a write");
-    let ran = run(ltsc().arg("build").arg(&path).arg("-o").arg(folder.path().join("out")));
+    let out = folder.path().join("out");
+    let build = |more: &[&str]| run(ltsc().arg("build").arg(&path).arg("-o").arg(&out).args(more));
+    // Rules say so first, and the answer is no; without them the scene is still invalid.
+    assert_eq!(build(&[]).code, Some(1));
+    let ran = build(&["--allow", "unlit-scene", "--allow", "nothing-in-view"]);
     assert_eq!(ran.code, Some(3), "{}", ran.err);
     assert!(ran.err.contains("invalid-scene") && !folder.path().join("out").exists(), "{}", ran.err);
 }

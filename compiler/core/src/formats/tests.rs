@@ -361,7 +361,7 @@ fn materials_in_the_words_of_each_target() {
     has(
         "luxcore",
         "scene.scn",
-        &["rough.type = \"metal2\"", "rough_fresnel.n = 0.2 0.2 0.2", "glass.interiorior = 1.5"],
+        &["rough.type = \"metal2\"", "rough_fresnel.n = 1.312607 1.312607 1.312607", "glass.interiorior = 1.5"],
     );
 }
 

@@ -50,12 +50,17 @@ impl<'t> Builder<'t> {
     }
 
     fn items(&mut self, pairs: Pairs<'t, Rule>, statements: &mut Vec<Statement>) {
-        for pair in pairs {
+        let mut pairs = pairs.peekable();
+        while let Some(pair) = pairs.next() {
             match pair.as_rule() {
                 Rule::item => {
+                    // Lines of documentation before a broken statement are no mistakes of their own.
+                    let more = pairs.peek().is_some_and(|next| next.as_rule() == Rule::item);
                     for inner in pair.into_inner() {
                         if inner.as_rule() == Rule::junk {
-                            self.junk.push(self.range(&inner));
+                            if !more || !is_documentation(inner.as_str()) {
+                                self.junk.push(self.range(&inner));
+                            }
                         } else if let Ok(statement) = self.statement(inner) {
                             statements.push(statement);
                         }
@@ -650,4 +655,10 @@ fn doc_text(pair: Pair<'_, Rule>) -> String {
         text.strip_prefix(' ').unwrap_or(text)
     });
     lines.collect::<Vec<_>>().join("\n")
+}
+
+/// Whether junk is one line of documentation.
+fn is_documentation(junk: &str) -> bool {
+    let line = junk.trim();
+    line.starts_with("///") && !line.starts_with("////") && !line.contains('\n')
 }

@@ -56,6 +56,17 @@ pub(super) fn explain(file: FileId, text: &str, range: Range<usize>) -> Finding 
 
 /// Mistakes that are seen from the start of the junk.
 fn whole(junk: &str, at: &dyn Fn(usize, usize) -> Span) -> Option<Finding> {
+    if junk.starts_with("///") {
+        return Some(
+            Finding::error(
+                "syntax-error",
+                at(0, junk.lines().next().unwrap_or_default().trim_end().len()),
+                "this documents nothing",
+            )
+            .label("no statement behind it")
+            .help("write `//` for a comment, or the statement that it belongs to"),
+        );
+    }
     let first = token(junk);
     if junk.starts_with("/*") || find_outside(junk, "/*").is_some() {
         let offset = find_outside(junk, "/*").unwrap_or(0);
@@ -107,7 +118,10 @@ fn local(junk: &str, offset: usize, rest: &str, at: &dyn Fn(usize, usize) -> Spa
         }
     }
     let last = last_word(before);
-    if RESERVED.contains(&last) && (rest.starts_with('=') || rest.starts_with(',')) && last != "camera" {
+    if RESERVED.contains(&last)
+        && (rest.starts_with(['=', ',', '{', '(']) && !RESERVED.contains(&word))
+        && last != "camera"
+    {
         let head = before[..before.len() - last.len()].trim_end();
         if STARTERS.contains(&last_word(head)) {
             return Some(

@@ -145,6 +145,14 @@ mod tests {
         }
     }
 
+    /// The minimum of the same sum on a grid of steps of 0.01 and 0.1, computed apart with complex numbers.
+    #[test]
+    fn the_fit_is_the_least_of_all() {
+        let Fit { n, k, rms, most: _ } = fit(0.2, 3.9);
+        assert!((n - 1.31).abs() < 0.01 && (k - 20.2).abs() < 0.1, "{n} {k}");
+        assert!((rms * rms - 1.4715e-4).abs() < 1e-7, "{rms}");
+    }
+
     #[test]
     fn whatever_comes_gives_numbers() {
         for (eta, k) in [(1e-6, 0.0), (1.5, 0.0), (1e-3, 1e-3), (100.0, 100.0), (1.0, 1e-9), (0.05, 30.0)] {
