@@ -77,7 +77,8 @@ pub const DEFECTS: &[Defect] = &[
     scene!("all normals of a mesh look to the back", ["flipped-normals"], [], |mutant| {
         bend(mutant.opaque(), |_, n| n.map(|x| -x));
     }),
-    scene!("one triangle wound the wrong way", ["flipped-normals"], [], |mutant| {
+    // A solid that is broken is closed no more, and its face on the floor is then one sheet upon another.
+    scene!("one triangle wound the wrong way", ["flipped-normals"], ["overlapping-faces"], |mutant| {
         Arc::make_mut(&mut mutant.opaque().triangles)[0].swap(0, 1);
     }),
     scene!("a triangle without area", ["degenerate-triangles"], [], |mutant| {
@@ -85,11 +86,11 @@ pub const DEFECTS: &[Defect] = &[
         let [a, b, _] = triangles[0];
         triangles.push([a, b, b]);
     }),
-    scene!("a triangle twice", ["duplicate-triangles"], [], |mutant| {
+    scene!("a triangle twice", ["duplicate-triangles"], ["overlapping-faces"], |mutant| {
         let triangles = Arc::make_mut(&mut mutant.opaque().triangles);
         triangles.push(triangles[0]);
     }),
-    scene!("a coordinate that is no number", ["invalid-mesh"], [], |mutant| {
+    scene!("a coordinate that is no number", ["invalid-mesh"], ["overlapping-faces"], |mutant| {
         Arc::make_mut(&mut mutant.opaque().positions)[0][1] = f32::NAN;
     }),
     beside!(
