@@ -1,7 +1,7 @@
 //! Tree to Scene: names, types, units, constructors. Every error is a finding; evaluation goes on behind it.
 //!
 //! Reading order: `value`, `ops`, [`table`] (constructors), `expr` (expressions and calls), `function`, `numeric` (functions of numbers, translated), `module` (statements
-//! and `use`), `items` (shapes, instances, settings), `flow` (loops, conditions, parameters), `synonyms` (words of other renderers), `unused` (names), `assemble` (the Scene).
+//! and `use`), `items` (shapes, instances, settings), `flow` (loops, conditions, parameters), `limits` (how large a scene may become), `synonyms` (words of other renderers), `unused` (names), `assemble` (the Scene).
 
 #![expect(clippy::wildcard_enum_match_arm, reason = "a value of any other type is the same mistake, and is reported")]
 

@@ -18,8 +18,8 @@ pub fn literal(text: &str) -> String {
     quoted
 }
 
-/// How much of a spot's cone fades in Blender, from 0 to 1. Blender compares cosines: with the outer half angle `a` and the
-/// blend `b` the light begins to fade where the tangent has the share ... of the outer one.
+/// How much of a spot's cone fades in Blender, from 0 to 1, for the half angles in degrees at which the light ends and
+/// begins to fade. Blender compares cosines: it fades from `cos angle + blend (1 - cos angle)` down to `cos angle`.
 pub fn spot_blend(angle: f64, inner: f64) -> f64 {
     // Cycles: spotsmooth = (1 - cos a) * blend, fading between cos a and cos a + spotsmooth (`light.cpp`).
     let (outer, inner) = (libm::cos(angle.to_radians()), libm::cos(inner.to_radians()));
