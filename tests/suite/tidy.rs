@@ -206,3 +206,18 @@ fn architecture_is_true() {
         assert_eq!(cell.matches('`').count() / 2, may.len(), "ARCHITECTURE.md: what `{module}` may use");
     }
 }
+
+#[test]
+fn no_merge_is_left_half_done() {
+    let mut found = Vec::new();
+    for folder in ["compiler", "docs", "fuzz/fuzz_targets", "grammar", "renderers", "scenes-src", "tests"] {
+        for path in files_below(&root().join(folder)) {
+            let Ok(text) = fs::read_to_string(root().join(folder).join(&path)) else { continue };
+            let marks = ["<".repeat(7), ">".repeat(7)];
+            if text.lines().any(|line| marks.iter().any(|mark| line.starts_with(&format!("{mark} ")))) {
+                found.push(format!("{folder}/{path}"));
+            }
+        }
+    }
+    assert!(found.is_empty(), "marks of a conflict between versions in {found:?}");
+}
