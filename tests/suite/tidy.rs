@@ -27,10 +27,14 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("contact", &["ir", "survey"]),
     ("lint", &["ir", "mesh", "survey", "contact", "diag"]),
     ("capability", &["ir", "mesh", "diag"]),
-    ("formats", &["ir", "mesh", "valid", "capability", "diag", "files"]),
+    ("formats", &["ir", "mesh", "survey", "valid", "capability", "diag", "files"]),
+    ("ledger", &["capability", "diag", "formats", "ir"]),
     ("catalogue", &["ir", "survey"]),
     ("manual", &["capability", "diag", "eval", "formats", "ir", "lint", "syntax"]),
-    ("pipeline", &["capability", "diag", "eval", "files", "fix", "formats", "ir", "lint", "lower", "syntax", "valid"]),
+    (
+        "pipeline",
+        &["capability", "diag", "eval", "files", "fix", "formats", "ir", "ledger", "lint", "lower", "syntax", "valid"],
+    ),
 ];
 
 fn rust_files(folder: &str) -> Vec<(String, String)> {

@@ -314,6 +314,15 @@ impl Support {
     }
 }
 
+/// By how much a target is off for one scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bound {
+    /// The largest share of a value by which it is off; 0.02 is 2 %.
+    pub size: f64,
+    /// What it is a share of, and where it is reached: "of the light that `gold` reflects once, in blue at 72 degrees".
+    pub what: String,
+}
+
 /// What `scene` asks for, each feature once with the first place that asks for it, in the order of [`Feature::ALL`].
 pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
     let Scene {

@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 use std::io;
 
-use crate::capability::{Support, features};
 use crate::diag::{FileId, Finding, Origin, Severity, Sources, Suppression};
 use crate::eval::{self, Allow, Evaluated, Overrides, SceneParameter};
 use crate::files::{Bytes, Files, Sink, VPath};
 use crate::fix;
 use crate::formats::{self, Emission, Target};
 use crate::ir::{Camera, Documentation, Handle, Scene};
+use crate::ledger::{self, Ledger};
 use crate::lint::{self, Around, Levels, UnusedName};
 use crate::lower;
 use crate::valid::{self, Valid};
@@ -172,34 +172,6 @@ pub fn prepare(scene: Scene) -> Result<(Valid, Vec<Finding>), Vec<Finding>> {
     }
 }
 
-/// What `target` cannot say exactly of `scene`: `loss-approximated` and `loss-dropped`.
-pub fn losses(scene: &Scene, target: &Target) -> Vec<Finding> {
-    let mut findings = Vec::new();
-    for (feature, origin) in features(scene) {
-        let name = target.name;
-        let what = feature.name();
-        match (target.supports)(feature) {
-            Support::Exact => {}
-            Support::Approximate { why, bound } => findings.push(
-                Finding::new(
-                    "loss-approximated",
-                    Severity::Info,
-                    origin,
-                    format!("{name} says {what} approximately: {why}"),
-                )
-                .note(bound),
-            ),
-            Support::Unsupported { why } => findings.push(Finding::new(
-                "loss-dropped",
-                Severity::Warn,
-                origin,
-                format!("{name} cannot say {what}: {why}"),
-            )),
-        }
-    }
-    findings
-}
-
 /// The camera called `name`, or the first one.
 pub fn camera(scene: &Scene, name: Option<&str>) -> Option<Handle<Camera>> {
     let mut cameras = scene.cameras.iter();
@@ -214,11 +186,18 @@ pub fn camera(scene: &Scene, name: Option<&str>) -> Option<Handle<Camera>> {
 ///
 /// # Errors
 /// What the sink says.
-pub fn emit_alone(scene: &Valid, camera: Handle<Camera>, target: &Target, sink: &mut dyn Sink) -> io::Result<()> {
+pub fn emit_alone(
+    scene: &Valid,
+    camera: Handle<Camera>,
+    target: &Target,
+    ledger: &Ledger,
+    sink: &mut dyn Sink,
+) -> io::Result<()> {
     if target.shares_meshes {
         formats::write_meshes(scene, "meshes/", sink)?;
         formats::write_textures(scene, "textures/", sink)?;
     }
+    book(ledger, sink)?;
     (target.emit)(&Emission { scene, camera, meshes: "meshes/", textures: "textures/" }, sink)
 }
 
@@ -226,6 +205,17 @@ pub fn emit_alone(scene: &Valid, camera: Handle<Camera>, target: &Target, sink: 
 ///
 /// # Errors
 /// What the sink says.
-pub fn emit_shared(scene: &Valid, camera: Handle<Camera>, target: &Target, sink: &mut dyn Sink) -> io::Result<()> {
+pub fn emit_shared(
+    scene: &Valid,
+    camera: Handle<Camera>,
+    target: &Target,
+    ledger: &Ledger,
+    sink: &mut dyn Sink,
+) -> io::Result<()> {
+    book(ledger, sink)?;
     (target.emit)(&Emission { scene, camera, meshes: "../meshes/", textures: "../textures/" }, sink)
+}
+
+fn book(ledger: &Ledger, sink: &mut dyn Sink) -> io::Result<()> {
+    sink.file(ledger::FILE, &mut |out| out.write_all(ledger.json().as_bytes()))
 }

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use ltsc_core::diag::{Finding, Severity};
 use ltsc_core::eval::Overrides;
 use ltsc_core::formats::{self, Target};
+use ltsc_core::ledger::Ledger;
 use ltsc_core::lint::Levels;
 use ltsc_core::pipeline;
 use ltsc_core::valid::Valid;
@@ -20,13 +21,15 @@ use crate::output::{Exit, Failure, Located};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
 
-use super::shared::{CheckedFile, all_files_of, check, losses, report, say_losses};
+use super::shared::{CheckedFile, all_files_of, check, ledgers, losses, report, say_losses};
 
 /// A scene that can be written.
 struct Ready<'f> {
     scene: Valid,
     file: &'f CheckedFile,
     remarks: Vec<Finding>,
+    /// By target.
+    ledgers: Vec<Ledger>,
 }
 
 /// What became of one scene.
@@ -82,13 +85,13 @@ fn build(
     let output = command.output.as_deref().unwrap_or(&project.generated);
     let checked = check(project, files, &command.findings, Overrides::default(), &[])?;
     let levels = project.levels_with(&command.findings)?;
-    let (ready, mut more) = prepare(&checked, &levels);
+    let (ready, mut more) = prepare(&checked, targets, &levels);
     for ready in &ready {
         more.extend(ready.remarks.iter().map(|finding| ready.file.located(finding.clone())));
     }
-    let scenes: Vec<(&Valid, &CheckedFile)> = ready.iter().map(|ready| (&ready.scene, ready.file)).collect();
+    let scenes: Vec<(&[Ledger], &CheckedFile)> = ready.iter().map(|ready| (&ready.ledgers[..], ready.file)).collect();
     let denied = |located: &Located<'_>| located.finding.severity >= Severity::Deny;
-    let lost = losses(&scenes, targets, &levels);
+    let lost = losses(&scenes, &levels);
     let format = command.findings.format;
     let json = format == Format::Json;
     let failing =
@@ -108,7 +111,7 @@ fn build(
             .help("rename one of them"));
     }
     if shown == Format::Human && !command.check {
-        say_losses(&scenes.iter().map(|(scene, _)| *scene).collect::<Vec<_>>(), targets);
+        say_losses(&scenes.iter().map(|(ledgers, _)| *ledgers).collect::<Vec<_>>());
     }
     let bar = std::sync::Mutex::new((Bar::new(ready.len() as u64, "building"), 0));
     let built: Vec<Result<Built, Failure>> = ready
@@ -138,17 +141,25 @@ fn build(
 }
 
 /// Lowers and validates what can be written; the rest comes back as findings.
-fn prepare<'f>(checked: &'f [CheckedFile], levels: &Levels) -> (Vec<Ready<'f>>, Vec<Located<'f>>) {
+fn prepare<'f>(
+    checked: &'f [CheckedFile],
+    targets: &[&'static Target],
+    levels: &Levels,
+) -> (Vec<Ready<'f>>, Vec<Located<'f>>) {
     let scenes = checked.par_iter().filter_map(|file| {
         let scene = file.checked.scene.clone().filter(|_| file.checked.worst() < Severity::Deny)?;
-        Some((file, pipeline::prepare(scene)))
+        let prepared = pipeline::prepare(scene).map(|(scene, remarks)| {
+            let ledgers = ledgers(&scene, targets, &remarks);
+            (scene, remarks, ledgers)
+        });
+        Some((file, prepared))
     });
     let (mut ready, mut invalid) = (Vec::new(), Vec::new());
     for (file, prepared) in scenes.collect::<Vec<_>>() {
         match prepared {
-            Ok((scene, mut remarks)) => {
+            Ok((scene, mut remarks, ledgers)) => {
                 levels.judge(&mut remarks);
-                ready.push(Ready { scene, file, remarks });
+                ready.push(Ready { scene, file, remarks, ledgers });
             }
             Err(findings) => invalid.extend(findings.into_iter().map(|finding| file.located(finding))),
         }
@@ -186,9 +197,9 @@ fn write(ready: &Ready<'_>, targets: &[&Target], output: &Path, command: &Build)
         formats::write_meshes(scene, "meshes/", &mut sink).map_err(failed)?;
         formats::write_textures(scene, "textures/", &mut sink).map_err(failed)?;
     }
-    for target in targets {
+    for (target, ledger) in targets.iter().zip(&ready.ledgers) {
         let mut inner = sink.below(target.name);
-        pipeline::emit_shared(scene, camera, target, &mut inner).map_err(failed)?;
+        pipeline::emit_shared(scene, camera, target, ledger, &mut inner).map_err(failed)?;
     }
     let changes = sink.finish().map_err(failed)?;
     Ok(Built { name: scene.name.clone(), targets: targets.len(), changes })

@@ -27,7 +27,7 @@ pub fn run(command: &Emit) -> Result<Exit, Failure> {
     let folder = command.output.clone().unwrap_or_else(|| PathBuf::from(name));
     let failed = |error: std::io::Error| unwritable(&folder, &error);
     let mut sink = DiskSink::new(&folder, &scene.scene.name, false, command.force).map_err(failed)?;
-    pipeline::emit_alone(&scene.scene, scene.camera, target, &mut sink).map_err(failed)?;
+    pipeline::emit_alone(&scene.scene, scene.camera, target, &scene.ledger(target), &mut sink).map_err(failed)?;
     let changes = sink.finish().map_err(failed)?;
     if command.findings.format == Format::Human {
         let main = folder.join(target.main_file_of(&scene.scene.name));

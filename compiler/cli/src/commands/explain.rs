@@ -73,13 +73,21 @@ fn explain_target(name: &str) -> Result<Exit, Failure> {
     let target = project::target(name)?;
     let mut exact = Vec::new();
     let mut rest = String::new();
+    let mut converted = String::new();
     for feature in Feature::ALL {
         let (word, parts) = match (target.supports)(*feature) {
             Support::Exact => {
-                exact.push(feature.name());
+                match target.conversion(*feature) {
+                    Some(formula) => {
+                        converted.push_str(&format!("converted: {}\n{}", feature.name(), wrapped(formula, "    ")));
+                    }
+                    None => exact.push(feature.name()),
+                }
                 continue;
             }
-            Support::Approximate { why, bound } => ("approximate", vec![why, bound]),
+            Support::Approximate { why, bound } => {
+                ("approximate", [why, bound].into_iter().chain(target.conversion(*feature)).collect())
+            }
             Support::Unsupported { why } => ("unsupported", vec![why]),
         };
         rest.push_str(&format!("{word}: {}\n", feature.name()));
@@ -88,7 +96,7 @@ fn explain_target(name: &str) -> Result<Exit, Failure> {
         }
     }
     let exact = wrapped(&exact.join(", "), "    ");
-    terminal::print(&format!("{}\n{}\n\nexact:\n{exact}\n{rest}", target.name, target.summary));
+    terminal::print(&format!("{}\n{}\n\nexact:\n{exact}\n{converted}{rest}", target.name, target.summary));
     Ok(Exit::Done)
 }
 

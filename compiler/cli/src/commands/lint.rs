@@ -3,6 +3,7 @@
 use ltsc_core::diag::{Finding, Severity, Sources};
 use ltsc_core::eval::Overrides;
 use ltsc_core::formats::Target;
+use ltsc_core::ledger::Ledger;
 use ltsc_core::pipeline;
 
 use crate::args::{Format, Lint};
@@ -10,7 +11,7 @@ use crate::output::{Counts, Exit, Failure, Located};
 use crate::{project, terminal};
 
 use super::fixes::{self, Fixed};
-use super::shared::{CheckedFile, check, counted, files_of, report};
+use super::shared::{CheckedFile, check, counted, files_of, ledgers, report};
 
 pub fn run(command: &Lint) -> Result<Exit, Failure> {
     let targets = command.target.iter().map(|name| project::target(name)).collect::<Result<Vec<_>, _>>()?;
@@ -92,7 +93,7 @@ fn losses(file: &CheckedFile, targets: &[&'static Target]) -> Vec<Finding> {
     }
     let Some(scene) = file.checked.scene.clone() else { return Vec::new() };
     match pipeline::prepare(scene) {
-        Ok((scene, _)) => targets.iter().flat_map(|target| pipeline::losses(&scene, target)).collect(),
+        Ok((scene, baked)) => ledgers(&scene, targets, &baked).iter().flat_map(Ledger::findings).collect(),
         Err(invalid) => invalid,
     }
 }

@@ -4,12 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use ltsc_core::capability::{Feature, Support, features};
 use ltsc_core::diag::{Finding, Severity, Sources, nearest};
 use ltsc_core::eval::{self, Limits, Overrides};
 use ltsc_core::files::VPath;
 use ltsc_core::formats::Target;
 use ltsc_core::ir::{Camera, Documentation, Handle, Scene};
+use ltsc_core::ledger::Ledger;
 use ltsc_core::lint::Levels;
 use ltsc_core::pipeline::{self, Checked, Options};
 use ltsc_core::valid::Valid;
@@ -208,14 +208,15 @@ pub fn report(
     (exit, counts)
 }
 
+/// The ledger of a scene for each target; `baked` is what lowering found.
+pub fn ledgers(scene: &Valid, targets: &[&'static Target], baked: &[Finding]) -> Vec<Ledger> {
+    targets.iter().map(|target| Ledger::of(scene, target, baked)).collect()
+}
+
 /// What targets cannot say exactly of scenes, with the levels chosen for it.
-pub fn losses<'s>(
-    scenes: &[(&Valid, &'s CheckedFile)],
-    targets: &[&'static Target],
-    levels: &Levels,
-) -> Vec<Located<'s>> {
-    let all = scenes.iter().flat_map(|(scene, file)| {
-        let mut of: Vec<Finding> = targets.iter().flat_map(|target| pipeline::losses(scene, target)).collect();
+pub fn losses<'s>(scenes: &[(&[Ledger], &'s CheckedFile)], levels: &Levels) -> Vec<Located<'s>> {
+    let all = scenes.iter().flat_map(|(ledgers, file)| {
+        let mut of: Vec<Finding> = ledgers.iter().flat_map(Ledger::findings).collect();
         levels.judge(&mut of);
         of.into_iter().map(|finding| file.located(finding))
     });
@@ -223,26 +224,25 @@ pub fn losses<'s>(
 }
 
 /// A line for each target with what it cannot say exactly of scenes, for people.
-pub fn say_losses(scenes: &[&Valid], targets: &[&'static Target]) {
-    for target in targets {
-        let (mut dropped, mut nearly) = (BTreeSet::new(), BTreeSet::new());
-        for (feature, _) in scenes.iter().flat_map(|scene| features(scene)) {
-            match (target.supports)(feature) {
-                Support::Exact => {}
-                Support::Approximate { .. } => {
-                    nearly.insert(feature);
-                }
-                Support::Unsupported { .. } => {
-                    dropped.insert(feature);
-                }
+pub fn say_losses(scenes: &[&[Ledger]]) {
+    let targets = scenes.first().map_or(0, |ledgers| ledgers.len());
+    for at in 0..targets {
+        let (mut dropped, mut nearly) = (Vec::new(), Vec::new());
+        let add = |list: &mut Vec<&'static str>, what| {
+            if !list.contains(&what) {
+                list.push(what)
             }
+        };
+        for ledger in scenes.iter().map(|ledgers| &ledgers[at]) {
+            ledger.dropped.iter().for_each(|one| add(&mut dropped, one.what));
+            ledger.approximated.iter().for_each(|one| add(&mut nearly, one.what));
         }
-        let list = |set: &BTreeSet<Feature>| set.iter().map(|feature| feature.name()).collect::<Vec<_>>().join(", ");
+        let name = scenes[0][at].target;
         if !dropped.is_empty() {
-            terminal::say(&format!("{} cannot say: {}", target.name, list(&dropped)));
+            terminal::say(&format!("{name} cannot say: {}", dropped.join(", ")));
         }
         if !nearly.is_empty() {
-            terminal::say(&format!("{} says nearly: {}", target.name, list(&nearly)));
+            terminal::say(&format!("{name} says nearly: {}", nearly.join(", ")));
         }
     }
 }
@@ -276,14 +276,21 @@ pub struct One {
     pub hash: String,
     /// The file, what lowering changed among its findings.
     file: CheckedFile,
+    baked: Vec<Finding>,
 }
 
 impl One {
+    /// What becomes of the scene for a target.
+    pub fn ledger(&self, target: &Target) -> Ledger {
+        Ledger::of(&self.scene, target, &self.baked)
+    }
+
     /// Prints what was found and what the target cannot say exactly, and gives the exit code that it leads to. Where the answer of
     /// the command is a document of its own, `quiet`, programs get findings only where they forbid to go on.
     pub fn report(&self, target: &'static Target, findings: &args::Findings, quiet: bool) -> Result<Exit, Failure> {
         let format = findings.format;
-        let lost = losses(&[(&self.scene, &self.file)], &[target], &self.project.levels_with(findings)?);
+        let ledgers = [self.ledger(target)];
+        let lost = losses(&[(&ledgers, &self.file)], &self.project.levels_with(findings)?);
         let denied = |located: &Located<'_>| located.finding.severity >= Severity::Deny;
         let refused = self.file.checked.worst() >= Severity::Deny || lost.iter().any(denied);
         if quiet && format.is_document() && !refused {
@@ -293,7 +300,7 @@ impl One {
         let all = lost.into_iter().filter(|located| format != Format::Human || denied(located)).collect();
         let (exit, _) = report(std::slice::from_ref(&self.file), all, format, false, true);
         if format == Format::Human {
-            say_losses(&[&self.scene], &[target]);
+            say_losses(&[&ledgers]);
         }
         Ok(exit)
     }
@@ -325,9 +332,10 @@ pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) ->
         Err(invalid) => (None, invalid),
     };
     project.levels_with(findings)?.judge(&mut remarks);
+    let baked = remarks.clone();
     file.checked.findings.extend(remarks);
     match scene {
-        Some(scene) => Ok(Ok(One { project, scene, camera, hash, file })),
+        Some(scene) => Ok(Ok(One { project, scene, camera, hash, file, baked })),
         None => Ok(Err(refuse(&[file]))),
     }
 }

@@ -8,6 +8,7 @@ use ltsc_core::eval::Overrides;
 use ltsc_core::files::Sink;
 use ltsc_core::formats::{self, Target};
 use ltsc_core::ir::Scene;
+use ltsc_core::ledger::Ledger;
 use ltsc_core::pipeline;
 
 use crate::args::Build;
@@ -109,7 +110,8 @@ fn emitted(scene: Scene, targets: &[&'static Target]) -> Result<(Vec<u64>, Strin
     let mut bytes = vec![meshes.0];
     for target in targets {
         let mut own = Counter::default();
-        pipeline::emit_shared(&scene, camera, target, &mut own).map_err(|error| fault(&error.to_string()))?;
+        pipeline::emit_shared(&scene, camera, target, &Ledger::of(&scene, target, &[]), &mut own)
+            .map_err(|error| fault(&error.to_string()))?;
         bytes.push(own.0);
     }
     Ok((bytes, name))

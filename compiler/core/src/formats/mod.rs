@@ -9,7 +9,7 @@ pub mod shared;
 
 use std::io;
 
-use crate::capability::{Feature, Support};
+use crate::capability::{Bound, Feature, Support};
 use crate::files::Sink;
 use crate::ir::{Camera, Handle, Scene};
 use crate::valid::Valid;
@@ -29,11 +29,20 @@ pub struct Target {
     pub shares_meshes: bool,
     /// What it can say.
     pub supports: fn(Feature) -> Support,
+    /// The formula by which the Scene's numbers become the target's, where they are not the same numbers.
+    pub conversions: &'static [(Feature, &'static str)],
+    /// How far off it is for one scene, where that can be computed for what it does not say exactly.
+    pub bound: fn(Feature, &Scene) -> Option<Bound>,
     /// Writes all files of the scene but the shared meshes.
     pub emit: fn(&Emission<'_>, &mut dyn Sink) -> io::Result<()>,
 }
 
 impl Target {
+    /// The formula by which the numbers of `feature` become the target's; none where they are the same numbers.
+    pub fn conversion(&self, feature: Feature) -> Option<&'static str> {
+        self.conversions.iter().find(|(converted, _)| *converted == feature).map(|(_, formula)| *formula)
+    }
+
     /// The file a renderer opens for the scene called `name`, made safe for file systems.
     pub fn main_file_of(&self, name: &str) -> String {
         self.main_file.replace("SCENE", &shared::names::file_stem(name))

@@ -46,18 +46,28 @@ pub(super) fn page() -> String {
 
 /// What one target does not say exactly.
 fn section(target: &Target) -> String {
+    let mut converted = String::new();
     let mut nearly = String::new();
     let mut dropped = String::new();
     let mut exact = 0;
     for feature in Feature::ALL {
+        let formula = target.conversion(*feature);
         match (target.supports)(*feature) {
-            Support::Exact => exact += 1,
-            Support::Approximate { why, bound } => nearly.push_str(&format!(
-                "- *{}.* {}. How much: {}.\n",
-                capital(feature.name()),
-                capital(why).trim_end_matches('.'),
-                bound.trim_end_matches('.')
-            )),
+            Support::Exact => {
+                exact += 1;
+                if let Some(formula) = formula {
+                    converted.push_str(&format!("- *{}.* {}.\n", capital(feature.name()), capital(formula)));
+                }
+            }
+            Support::Approximate { why, bound } => {
+                let formula = formula.map(|formula| format!(" Written: {formula}.")).unwrap_or_default();
+                nearly.push_str(&format!(
+                    "- *{}.* {}. How much: {}.{formula}\n",
+                    capital(feature.name()),
+                    capital(why).trim_end_matches('.'),
+                    bound.trim_end_matches('.')
+                ));
+            }
             Support::Unsupported { why } => {
                 dropped.push_str(&format!("- *{}.* {}.\n", capital(feature.name()), capital(why).trim_end_matches('.')))
             }
@@ -65,7 +75,7 @@ fn section(target: &Target) -> String {
     }
     let mut text =
         format!("\n## `{}`\n\n{}. {exact} of {} exactly.\n", target.name, target.summary, Feature::ALL.len());
-    for (title, list) in [("Nearly", nearly), ("Not at all", dropped)] {
+    for (title, list) in [("Exactly, with other numbers", converted), ("Nearly", nearly), ("Not at all", dropped)] {
         if !list.is_empty() {
             text.push_str(&format!("\n**{title}**\n\n{list}"));
         }

@@ -9,6 +9,7 @@ use ltsc_core::capability::{Support, algorithm};
 use ltsc_core::catalogue::Pictures;
 use ltsc_core::eval::Overrides;
 use ltsc_core::ir::Scene;
+use ltsc_core::ledger::Ledger;
 use ltsc_core::pipeline;
 use ltsc_render::cache::CachePaths;
 use ltsc_render::compare::{CompareOptions, compare, difference_rgb8, relative_rgb8, shown_rgb8, write_png};
@@ -120,7 +121,7 @@ fn one(
         let camera = pipeline::camera(&small, None)
             .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
         let mut sink = DiskSink::new(work.path(), &small.name, false, false).map_err(failed)?;
-        pipeline::emit_alone(&small, camera, target, &mut sink).map_err(failed)?;
+        pipeline::emit_alone(&small, camera, target, &Ledger::of(&small, target, &[]), &mut sink).map_err(failed)?;
         sink.finish().map_err(failed)?;
         let env = Env::of_process();
         let cache = CachePaths::find(&env);

@@ -1,6 +1,8 @@
 //! Cycles: a Python file that builds the scene in Blender, beside a file of functions that is the same for all scenes.
 
+mod conversions;
 mod emit;
+mod media;
 pub mod names;
 
 use super::Target;
@@ -14,6 +16,8 @@ pub const CYCLES: Target = Target {
     main_file: "scene.py",
     shares_meshes: true,
     supports,
+    conversions: conversions::CONVERSIONS,
+    bound: conversions::bound,
     emit: emit::emit,
 };
 

@@ -1,6 +1,7 @@
 //! glTF 2.0: approximate by nature, but the form that every viewer and modeller reads.
 
 mod buffer;
+mod conversions;
 mod document;
 mod emit;
 pub mod names;
@@ -16,6 +17,8 @@ pub const GLTF: Target = Target {
     main_file: "SCENE.gltf",
     shares_meshes: false,
     supports,
+    conversions: conversions::CONVERSIONS,
+    bound: conversions::bound,
     emit: emit::emit,
 };
 

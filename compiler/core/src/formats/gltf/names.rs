@@ -1,6 +1,7 @@
 //! The conventions of glTF 2.0 for numbers, from its specification and those of its extensions.
 
 use crate::formats::shared::camera::across;
+use crate::formats::shared::fresnel;
 use crate::ir::{Affine, Color, Encoding, Texture, Vec3, cross, normalized};
 
 /// `componentType` of 32-bit floats.
@@ -30,14 +31,10 @@ pub fn roughness(alpha: f64) -> f64 {
     alpha.sqrt().min(1.0)
 }
 
-/// The reflectance of a conductor seen head-on, `((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2)` per channel (Born and
-/// Wolf, Principles of Optics, 14.2): the base colour of a metal, whose Fresnel term is Schlick's.
+/// The base colour of a metal, whose Fresnel term is Schlick's: the reflectance seen head-on per channel.
 pub fn base_color(eta: &Color, k: &Color) -> [f64; 3] {
     let (eta, k) = (eta.rgb(), k.rgb());
-    [0, 1, 2].map(|channel| {
-        let (n, k2) = (eta[channel], k[channel] * k[channel]);
-        ((n - 1.0) * (n - 1.0) + k2) / ((n + 1.0) * (n + 1.0) + k2)
-    })
+    [0, 1, 2].map(|channel| fresnel::head_on(eta[channel], k[channel]))
 }
 
 /// `ior` of KHR_materials_ior: the relative index of refraction, which may not be below 1.

@@ -1,5 +1,6 @@
 //! LuxCore.
 
+mod conversions;
 mod emit;
 pub mod fresnel;
 pub mod names;
@@ -15,6 +16,8 @@ pub const LUXCORE: Target = Target {
     main_file: "scene.cfg",
     shares_meshes: true,
     supports,
+    conversions: conversions::CONVERSIONS,
+    bound: conversions::bound,
     emit: emit::emit,
 };
 

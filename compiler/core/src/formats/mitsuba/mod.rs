@@ -1,10 +1,12 @@
 //! Mitsuba 0.5, 0.6 and 3: three targets, one emitter.
 
+mod conversions;
 mod emit;
 pub mod names;
 
 use super::Target;
 use crate::capability::{Feature, Support};
+use conversions::CONVERSIONS;
 use names::Version;
 
 /// Mitsuba 3.
@@ -15,6 +17,8 @@ pub const MITSUBA_3: Target = Target {
     main_file: "scene.xml",
     shares_meshes: true,
     supports: |feature| supports(Version::V3, feature),
+    conversions: CONVERSIONS,
+    bound: |_, _| None,
     emit: |emission, sink| emit::emit(Version::V3, emission, sink),
 };
 
@@ -26,6 +30,8 @@ pub const MITSUBA_0_6: Target = Target {
     main_file: "scene.xml",
     shares_meshes: true,
     supports: |feature| supports(Version::V06, feature),
+    conversions: CONVERSIONS,
+    bound: |_, _| None,
     emit: |emission, sink| emit::emit(Version::V06, emission, sink),
 };
 
@@ -37,6 +43,8 @@ pub const MITSUBA_0_5: Target = Target {
     main_file: "scene.xml",
     shares_meshes: true,
     supports: |feature| supports(Version::V05, feature),
+    conversions: CONVERSIONS,
+    bound: |_, _| None,
     emit: |emission, sink| emit::emit(Version::V05, emission, sink),
 };
 

@@ -1,9 +1,11 @@
 //! PBRT v3 and v4: two targets, one emitter.
 
+mod conversions;
 mod emit;
 pub mod names;
 
 use super::Target;
+use super::shared::bounds;
 use crate::capability::{Feature, Support};
 use names::Version;
 
@@ -15,6 +17,8 @@ pub const PBRT_V4: Target = Target {
     main_file: "scene.pbrt",
     shares_meshes: true,
     supports: supports_v4,
+    conversions: conversions::V4,
+    bound: bounds::of_correlation,
     emit: |emission, sink| emit::emit(Version::V4, emission, sink),
 };
 
@@ -26,6 +30,8 @@ pub const PBRT_V3: Target = Target {
     main_file: "scene.pbrt",
     shares_meshes: true,
     supports: supports_v3,
+    conversions: conversions::V3,
+    bound: bounds::of_correlation,
     emit: |emission, sink| emit::emit(Version::V3, emission, sink),
 };
 

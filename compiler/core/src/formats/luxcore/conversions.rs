@@ -1,0 +1,44 @@
+//! Formulas by which the Scene's numbers become LuxCore's, and how far off it is for one scene.
+
+use super::fresnel::{self, Fit};
+use crate::capability::{Bound, Feature};
+use crate::formats::shared::bounds;
+use crate::formats::shared::microfacet::Masking;
+use crate::ir::Scene;
+
+const FITTED: &str = "n, k = those with which LuxCore's Fresnel term is nearest to the exact one of eta and k, by least squares over \
+                      the cosine-weighted hemisphere";
+
+/// See [`crate::formats::Target::conversions`].
+pub const CONVERSIONS: &[(Feature, &str)] = &[
+    (Feature::SmoothConductor, FITTED),
+    (Feature::RoughConductor, FITTED),
+    (
+        Feature::Plastic,
+        "kd = rho (1 - Fi) / (1 - rho Fi) with Fi the share of diffuse light that the coat throws back from inside",
+    ),
+    (Feature::Principled, "specular = ((ior - 1) / (ior + 1))^2 / 0.08, at most 1"),
+    (Feature::PointLight, "gain = 4 pi: LuxCore spreads it over the sphere of directions"),
+    (Feature::Texture, "v of texture coordinates becomes 1 - v; sRGB is decoded by a curve in `srgb.ocio`"),
+    (Feature::EnvironmentImage, "turned so that its middle, LuxCore's -x, is +y"),
+    (Feature::Camera, "screenwindow moved down by 2 / width, one row of pixels: LuxCore draws one row too low"),
+    (Feature::GaussianFilter, "alpha = 1 / (2 stddev^2)"),
+    (Feature::Path, "pathdepth.total, .diffuse, .glossy, .specular = max_depth, at least 2"),
+    (Feature::Seed, "seed + 1: LuxCore's 0 and 1 are the same"),
+];
+
+/// Metals: the Fresnel term with the numbers that are written, and Schlick's masking.
+pub fn bound(feature: Feature, scene: &Scene) -> Option<Bound> {
+    let metals = || bounds::metals(scene, feature);
+    if feature == Feature::WideConductor {
+        return bounds::of_masking(metals(), Masking::Schlick);
+    }
+    if feature != Feature::SmoothConductor && feature != Feature::RoughConductor {
+        return None;
+    }
+    let fresnel = bounds::of_fresnel(metals(), |eta, k| {
+        let Fit { n, k, rms: _, most: _ } = fresnel::fit(eta, k);
+        move |cosine| fresnel::approximate(n, k, cosine)
+    });
+    bounds::larger(fresnel, bounds::of_masking(metals(), Masking::Schlick))
+}

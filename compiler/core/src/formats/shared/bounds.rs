@@ -1,0 +1,140 @@
+//! How far off a target is for one scene: bounds that several formats compute from a scene's own numbers.
+
+use super::fresnel;
+use super::microfacet::{Masking, albedo};
+use crate::capability::{Bound, Feature, SHARP_ALPHA, WIDE_ALPHA};
+use crate::ir::{Bsdf, Material, Scene};
+
+/// The last angle of incidence that is looked at, in degrees: beyond it all terms go to 1.
+const GRAZING: u32 = 85;
+
+/// Directions for which masking is compared, as cosines of their angles to the normal; nearer to the horizon little is seen.
+const SEEN: [f64; 5] = [1.0, 0.8, 0.6, 0.4, 0.2];
+
+const CHANNELS: [&str; 3] = ["red", "green", "blue"];
+
+/// A metal of a scene: its name, `eta` and `k` per channel, `alpha`.
+pub type Metal<'s> = (&'s str, [f64; 3], [f64; 3], f64);
+
+/// The metals of a scene of which `feature` is asked.
+pub fn metals(scene: &Scene, feature: Feature) -> impl Iterator<Item = Metal<'_>> {
+    scene.materials.values().filter_map(move |Material { name, bsdf }| match bsdf {
+        Bsdf::Conductor { eta, k, alpha } => {
+            let kinds = [
+                (Feature::SmoothConductor, *alpha == 0.0),
+                (Feature::RoughConductor, *alpha > 0.0),
+                (Feature::SharpConductor, *alpha > 0.0 && *alpha < SHARP_ALPHA),
+                (Feature::WideConductor, *alpha > WIDE_ALPHA),
+                (Feature::ColouredConductor, !eta.is_grey() || !k.is_grey()),
+            ];
+            kinds.contains(&(feature, true)).then(|| (name.as_str(), eta.rgb(), k.rgb(), *alpha))
+        }
+        Bsdf::Diffuse { reflectance: _ }
+        | Bsdf::Dielectric { interior: _, exterior: _, alpha: _ }
+        | Bsdf::Mirror { reflectance: _ }
+        | Bsdf::Plastic { reflectance: _, ior: _, alpha: _ }
+        | Bsdf::Principled { base: _, metallic: _, roughness: _, ior: _ } => None,
+    })
+}
+
+/// The larger of two bounds.
+pub fn larger(a: Option<Bound>, b: Option<Bound>) -> Option<Bound> {
+    match (a, b) {
+        (Some(a), Some(b)) => Some(if b.size > a.size { b } else { a }),
+        (a, b) => a.or(b),
+    }
+}
+
+/// The largest share by which a Fresnel term differs from the exact one, over metals, channels and angles up to 85 degrees.
+/// `term` takes `eta` and `k` and gives what the target computes for a cosine.
+pub fn of_fresnel<'s, F: Fn(f64) -> f64>(
+    metals: impl Iterator<Item = Metal<'s>>,
+    term: impl Fn(f64, f64) -> F,
+) -> Option<Bound> {
+    let mut worst = None;
+    for (name, eta, k, _) in metals {
+        for (channel, word) in CHANNELS.iter().enumerate() {
+            let of = term(eta[channel], k[channel]);
+            for degrees in 0..=GRAZING {
+                let cosine = libm::cos(f64::from(degrees).to_radians());
+                let exact = fresnel::conductor(eta[channel], k[channel], cosine);
+                let size = (of(cosine) - exact).abs() / exact;
+                if worst.as_ref().is_none_or(|Bound { size: known, what: _ }| size > *known) {
+                    let what = format!(
+                        "of the light that `{name}` reflects once, in {word} at {degrees} degrees ({:.4} instead of {exact:.4})",
+                        of(cosine)
+                    );
+                    worst = Some(Bound { size, what });
+                }
+            }
+        }
+    }
+    worst
+}
+
+/// The largest share by which a masking term changes what metals reflect, against Smith's.
+pub fn of_masking<'s>(metals: impl Iterator<Item = Metal<'s>>, masking: Masking) -> Option<Bound> {
+    let mut worst: Option<Bound> = None;
+    let mut known: Vec<f64> = Vec::new();
+    for (name, _, _, alpha) in metals {
+        if alpha == 0.0 || known.contains(&alpha) {
+            continue;
+        }
+        known.push(alpha);
+        for cosine in SEEN {
+            let change = albedo(alpha, cosine, masking) / albedo(alpha, cosine, Masking::Smith) - 1.0;
+            if worst.as_ref().is_none_or(|Bound { size, what: _ }| change.abs() > *size) {
+                let degrees = libm::acos(cosine).to_degrees();
+                let way = if change < 0.0 { "too dark" } else { "too bright" };
+                let what = format!(
+                    "of the light that `{name}` of `alpha` {alpha} reflects once, {way}, seen at {degrees:.0} degrees"
+                );
+                worst = Some(Bound { size: change.abs(), what });
+            }
+        }
+    }
+    worst
+}
+
+/// How far off the targets are whose masking and shadowing are correlated by height.
+pub fn of_correlation(feature: Feature, scene: &Scene) -> Option<Bound> {
+    let wide = (feature == Feature::WideConductor).then(|| metals(scene, feature));
+    wide.and_then(|metals| of_masking(metals, Masking::HeightCorrelated))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::shared::sample;
+    use crate::ir::Color;
+
+    fn gold(alpha: f64) -> Scene {
+        let mut scene = sample::empty("s");
+        let (eta, k) = (Color::Rgb([0.143_119, 0.374_957, 1.442_48]), Color::Rgb([3.983_16, 2.385_72, 1.603_22]));
+        sample::material(&mut scene, "gold", Bsdf::Conductor { eta, k, alpha });
+        scene
+    }
+
+    #[test]
+    fn the_exact_term_is_not_off_and_schlick_is() {
+        let scene = gold(0.1);
+        let metals = || metals(&scene, Feature::RoughConductor);
+        let exact = of_fresnel(metals(), |eta, k| move |cosine| fresnel::conductor(eta, k, cosine)).expect("a metal");
+        assert_eq!(exact.size, 0.0);
+        let schlick = of_fresnel(metals(), |eta, k| {
+            let head_on = fresnel::head_on(eta, k);
+            move |cosine| fresnel::schlick(head_on, cosine)
+        })
+        .expect("a metal");
+        assert!((0.02..0.2).contains(&schlick.size) && schlick.what.contains("`gold`"), "{schlick:?}");
+    }
+
+    #[test]
+    fn only_the_metals_that_are_asked_for_count() {
+        assert_eq!(of_correlation(Feature::WideConductor, &gold(0.1)), None);
+        let wide = of_correlation(Feature::WideConductor, &gold(1.0)).expect("a wide metal");
+        assert!((0.01..0.3).contains(&wide.size) && wide.what.contains("too bright"), "{wide:?}");
+        assert_eq!(metals(&gold(0.0), Feature::RoughConductor).count(), 0);
+        assert_eq!(metals(&gold(0.0), Feature::SmoothConductor).count(), 1);
+    }
+}
