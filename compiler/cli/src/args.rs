@@ -89,7 +89,7 @@ pub enum Command {
     ///
     /// Without SCENE every scene of the project, as `build` does, for this target only.
     #[command(
-        after_help = "Examples:\n  ltsc emit scenes-src/ring.lts --target pbrt\n  ltsc emit ring.lts --target gltf -o /tmp/ring --width 128 --height 128\n  ltsc emit --target mitsuba-3"
+        after_help = "Examples:\n  ltsc emit scenes-src/ring.lts --target pbrt\n  ltsc emit ring.lts --target glb -o /tmp/ring --width 128 --height 128\n  ltsc emit --target mitsuba-3"
     )]
     Emit(Emit),
     /// Render a scene with a real renderer to a linear 32-bit EXR.

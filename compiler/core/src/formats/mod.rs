@@ -71,6 +71,7 @@ pub static TARGETS: &[Target] = &[
     luxcore::LUXCORE,
     cycles::CYCLES,
     gltf::GLTF,
+    gltf::GLB,
 ];
 
 /// The grey that stands for a texture that a target cannot read.

@@ -10,7 +10,7 @@ pub(super) const RULE: Rule = Rule {
     level: Level::Warn,
     summary: "A spectrum has a colour that linear sRGB cannot hold.",
     doc: include_str!("out_of_gamut.md"),
-    targets: &["mitsuba-3", "mitsuba-0.6", "mitsuba-0.5", "pbrt-v3", "luxcore", "gltf"],
+    targets: &["mitsuba-3", "mitsuba-0.6", "mitsuba-0.5", "pbrt-v3", "luxcore", "gltf", "glb"],
     check,
 };
 

@@ -222,7 +222,15 @@ pub struct Texture {
 #[derive(Serialize)]
 pub struct Image {
     pub name: String,
-    pub uri: String,
+    #[serde(flatten)]
+    pub place: ImagePlace,
+}
+
+#[derive(Serialize)]
+#[serde(untagged, rename_all_fields = "camelCase")]
+pub enum ImagePlace {
+    Uri { uri: String },
+    View { buffer_view: usize, mime_type: &'static str },
 }
 
 #[derive(Serialize)]
@@ -313,16 +321,18 @@ pub struct Accessor {
 #[serde(rename_all = "camelCase")]
 pub struct BufferView {
     pub buffer: usize,
-    pub byte_offset: usize,
-    pub byte_length: usize,
-    pub target: u32,
+    pub byte_offset: u64,
+    pub byte_length: u64,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<u32>,
 }
 
 #[derive(Serialize)]
 #[serde(rename_all = "camelCase")]
 pub struct Buffer {
-    pub uri: String,
-    pub byte_length: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub uri: Option<String>,
+    pub byte_length: u64,
 }
 
 fn is_false(value: &bool) -> bool {

@@ -1,10 +1,13 @@
 //! glTF 2.0: approximate by nature, but the form that every viewer and modeller reads.
 
 mod buffer;
+mod container;
 mod conversions;
 mod document;
 mod emit;
 pub mod names;
+mod nodes;
+mod surface;
 
 use super::Target;
 use crate::capability::{Feature, Support};
@@ -19,7 +22,17 @@ pub const GLTF: Target = Target {
     supports,
     conversions: conversions::CONVERSIONS,
     bound: conversions::bound,
-    emit: emit::emit,
+    emit: emit::separate,
+};
+
+/// glTF 2.0 in one binary file, images inside.
+pub const GLB: Target = Target {
+    name: "glb",
+    aliases: &["gltf-binary"],
+    summary: "glTF 2.0 in one binary file, images inside",
+    main_file: "SCENE.glb",
+    emit: emit::container,
+    ..GLTF
 };
 
 const EXTRAS: Support =
@@ -123,3 +136,6 @@ fn supports(feature: Feature) -> Support {
         | Feature::Seed => EXTRAS,
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -2,7 +2,7 @@
 
 use crate::formats::shared::camera::across;
 use crate::formats::shared::fresnel;
-use crate::ir::{Affine, Color, Encoding, Texture, Vec3, cross, normalized};
+use crate::ir::{Affine, Color, Encoding, ImageFormat, Texture, Vec3, cross, normalized};
 
 /// `componentType` of 32-bit floats.
 pub const FLOAT: u32 = 5126;
@@ -21,6 +21,15 @@ pub const REPEAT: u32 = 10497;
 /// Whether glTF can hold the image: PNG and JPEG (3.9.2), whose colors are those of sRGB in a base color (3.9.2).
 pub fn reads(texture: &Texture) -> bool {
     !texture.image.format.is_float() && texture.encoding == Encoding::Srgb
+}
+
+/// `mimeType` of the formats that [`reads`] lets pass; of others the general one for bytes.
+pub fn mime(format: ImageFormat) -> &'static str {
+    match format {
+        ImageFormat::Png => "image/png",
+        ImageFormat::Jpeg => "image/jpeg",
+        ImageFormat::Exr | ImageFormat::Pfm | ImageFormat::Hdr => "application/octet-stream",
+    }
 }
 
 /// The root's matrix: the Scene's z is up, glTF's y is: (x, y, z) becomes (x, z, -y).

@@ -185,30 +185,32 @@ fn pictures_lie_inside_or_beside() {
 fn what_our_own_writer_writes_is_read_back() {
     let scene = crate::valid::validate(crate::formats::shared::sample::room()).expect("a valid scene");
     let (camera, _) = scene.cameras.iter().next().expect("a camera");
-    let mut sink = MemorySink::default();
-    let target = crate::formats::find("gltf").expect("a target");
-    (target.emit)(
-        &crate::formats::Emission { scene: &scene, camera, meshes: "meshes/", textures: "textures/" },
-        &mut sink,
-    )
-    .expect("memory takes all");
-    let text = sink.files.iter().find(|(name, _)| name.ends_with(".gltf")).expect("a file").1.clone();
-    let mut beside = |path: &str| Ok(Box::new(sink.files[path].clone()) as Box<dyn AsRef<[u8]>>);
-    let (model, _) = read_parts("gltf", &text, &mut beside).expect("a good file");
-    let names: Vec<&str> = model.parts.iter().map(|part| part.name.as_str()).collect();
-    let shapes: Vec<&str> = scene.shapes.values().map(|shape| shape.name.as_str()).collect();
-    assert_eq!(names, shapes);
-    for (part, shape) in model.parts.iter().zip(scene.shapes.values()) {
-        let (mesh, own) = (&scene.meshes[shape.mesh], &model.meshes[part.mesh].1);
-        assert_eq!(own.triangles.len(), mesh.triangles.len());
-        for (a, b) in own.positions.iter().zip(mesh.positions.iter()) {
-            let place = |point: &[f32; 3], map: &Affine| map.point(point.map(f64::from)).map(|x| x as f32);
-            assert!(near(place(a, &part.transform).map(|x| x / 100.0), place(b, &shape.transform).map(|x| x / 100.0)));
+    let emission = crate::formats::Emission { scene: &scene, camera, meshes: "meshes/", textures: "textures/" };
+    for name in ["gltf", "glb"] {
+        let mut sink = MemorySink::default();
+        let target = crate::formats::find(name).expect("a target");
+        (target.emit)(&emission, &mut sink).expect("memory takes all");
+        let file = sink.files[&target.main_file_of(&scene.name)].clone();
+        let mut beside = |path: &str| Ok(Box::new(sink.files[path].clone()) as Box<dyn AsRef<[u8]>>);
+        let (model, _) = read_parts(name, &file, &mut beside).expect("a good file");
+        let names: Vec<&str> = model.parts.iter().map(|part| part.name.as_str()).collect();
+        let shapes: Vec<&str> = scene.shapes.values().map(|shape| shape.name.as_str()).collect();
+        assert_eq!(names, shapes);
+        for (part, shape) in model.parts.iter().zip(scene.shapes.values()) {
+            let (mesh, own) = (&scene.meshes[shape.mesh], &model.meshes[part.mesh].1);
+            assert_eq!(own.triangles.len(), mesh.triangles.len());
+            for (a, b) in own.positions.iter().zip(mesh.positions.iter()) {
+                let place = |point: &[f32; 3], map: &Affine| map.point(point.map(f64::from)).map(|x| x as f32);
+                assert!(near(
+                    place(a, &part.transform).map(|x| x / 100.0),
+                    place(b, &shape.transform).map(|x| x / 100.0)
+                ));
+            }
+            let Surface { scatter, emission, .. } = &model.surfaces[part.surface.expect("a material")];
+            assert!(matches!(scene.materials[shape.material].bsdf, crate::ir::Bsdf::Diffuse { .. }));
+            assert!(matches!(scatter, Scatter::Diffuse(_)), "{scatter:?}");
+            assert_eq!(emission.is_some(), shape.emission.is_some());
         }
-        let Surface { scatter, emission, .. } = &model.surfaces[part.surface.expect("a material")];
-        assert!(matches!(scene.materials[shape.material].bsdf, crate::ir::Bsdf::Diffuse { .. }));
-        assert!(matches!(scatter, Scatter::Diffuse(_)), "{scatter:?}");
-        assert_eq!(emission.is_some(), shape.emission.is_some());
     }
 }
 
