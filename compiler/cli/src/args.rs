@@ -94,7 +94,7 @@ pub enum Command {
     Emit(Emit),
     /// Render a scene with a real renderer to a linear 32-bit EXR.
     #[command(
-        after_help = "Examples:\n  ltsc renderers install mitsuba-3\n  ltsc render scenes-src/cbox_classic.lts --renderer mitsuba-3 --samples 512 -o a.exr\n  ltsc render cbox_classic.lts --renderer luxcore --width 128 --height 128 -o b.exr"
+        after_help = "Examples:\n  ltsc renderers install mitsuba-3\n  ltsc render scenes-src/cbox_classic.lts --renderer mitsuba-3 --samples 512 -o a.exr\n  ltsc render cbox_classic.lts --renderer luxcore --width 128 --height 128 -o b.exr\n  ltsc render cbox_classic.lts --renderer pbrt-v3 --executable ~/pbrt-v3/build/pbrt -o c.exr"
     )]
     Render(Render),
     /// Compare two images; A is the reference.
@@ -282,7 +282,8 @@ pub struct Emit {
 pub struct Render {
     /// The scene file.
     pub scene: PathBuf,
-    /// The renderer: `mitsuba-3`, `luxcore`, `cycles`.
+    /// The renderer, as `ltsc renderers list` names it: `mitsuba-3`, `luxcore`, `cycles`, `rs-pbrt`, `pbrt-v4`, `pbrt-v3`,
+    /// `mitsuba-0.6`, `mitsuba-0.5`.
     #[arg(long, value_name = "NAME")]
     pub renderer: String,
     /// The image to write.
@@ -291,7 +292,7 @@ pub struct Render {
     /// Write over an image that is there.
     #[arg(long)]
     pub force: bool,
-    /// The renderer's executable, or a Python that has its module.
+    /// The renderer's executable, or a Python that has its module: a path, or a name on the path.
     #[arg(long, value_name = "FILE")]
     pub executable: Option<PathBuf>,
     /// Threads [default: all].
@@ -357,7 +358,7 @@ pub enum RenderersAction {
     },
     /// Install a pinned version into a private folder of the user's cache; nothing else of the system is touched.
     #[command(
-        after_help = "Example:\n  ltsc renderers install mitsuba-3 luxcore\n\nThe folder is $LTSC_CACHE, else the cache folder of the user; an interrupted installation is continued."
+        after_help = "Example:\n  ltsc renderers install mitsuba-3 luxcore\n\nmitsuba-3, luxcore and cycles are packages of Python, rs-pbrt is built by cargo (two minutes). The folder is $LTSC_CACHE, else the cache folder of the user; an interrupted installation is continued."
     )]
     Install {
         /// The renderers.

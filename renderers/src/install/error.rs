@@ -5,7 +5,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use super::Step;
-use crate::run::{Driver, RenderError};
+use crate::run::{Driver, Packages, RenderError};
 
 /// Why a renderer could not be installed.
 pub enum InstallError {
@@ -16,10 +16,26 @@ pub enum InstallError {
         /// The number of that process, if it is known.
         process: String,
     },
+    /// Only the user can install it.
+    ByUser {
+        /// The renderer.
+        driver: &'static Driver,
+    },
+    /// No cargo can be used.
+    Cargo {
+        /// The renderer.
+        driver: &'static Driver,
+        /// The oldest that can be used, 1.x.
+        oldest: u32,
+        /// Which were looked at, and what is wrong with each.
+        looked: Vec<String>,
+    },
     /// No Python can be used.
     Python {
         /// The renderer.
         driver: &'static Driver,
+        /// The oldest and the newest that can be used, 3.x.
+        pythons: (u32, u32),
         /// Which were looked at, and what is wrong with each.
         looked: Vec<String>,
     },
@@ -62,10 +78,13 @@ impl InstallError {
     pub fn hint(&self) -> String {
         match self {
             Self::Busy { .. } => "wait until it is done, or stop that process".to_owned(),
-            Self::Python { driver, .. } => format!(
-                "install Python 3.{} to 3.{} with its `venv` and `pip` (on Debian and Ubuntu: \
-                 `apt install python3-venv`), or name such a Python",
-                driver.pythons.0, driver.pythons.1
+            Self::ByUser { driver } => driver.advice(),
+            Self::Cargo { oldest, .. } => {
+                format!("install Rust 1.{oldest} or newer with cargo (https://rustup.rs), or name an executable")
+            }
+            Self::Python { pythons: (oldest, newest), .. } => format!(
+                "install Python 3.{oldest} to 3.{newest} with its `venv` and `pip` (on Debian and Ubuntu: \
+                 `apt install python3-venv`), or name such a Python"
             ),
             Self::Step { tail, driver, log, .. } => step_hint(tail, driver, log),
             Self::Render(error) => error.hint(),
@@ -79,10 +98,10 @@ impl InstallError {
     #[must_use]
     pub fn tail(&self) -> &[String] {
         match self {
-            Self::Python { looked, .. } => looked,
+            Self::Python { looked, .. } | Self::Cargo { looked, .. } => looked,
             Self::Step { tail, .. } => tail,
             Self::Render(error) => error.tail(),
-            Self::Busy { .. } | Self::Wrong { .. } | Self::Io { .. } | Self::Cancelled => &[],
+            Self::ByUser { .. } | Self::Busy { .. } | Self::Wrong { .. } | Self::Io { .. } | Self::Cancelled => &[],
         }
     }
 
@@ -92,20 +111,23 @@ impl InstallError {
     }
 }
 
-/// What the last lines of pip and venv tell.
+/// What the last lines of pip, venv and cargo tell.
 fn step_hint(tail: &[String], driver: &Driver, log: &Path) -> String {
     let said = |text: &str| tail.iter().any(|line| line.contains(text));
     if said("No space left") {
         "make room, or name a folder on another disk in LTSC_CACHE".to_owned()
-    } else if said("No matching distribution") {
+    } else if let Some(Packages { pythons: (oldest, newest), .. }) =
+        driver.packages().filter(|_| said("No matching distribution"))
+    {
         format!(
-            "there is no package for this Python and system (it takes Python 3.{} to 3.{}, and on \
-             Linux one with glibc), or the package index cannot be reached",
-            driver.pythons.0, driver.pythons.1
+            "there is no package for this Python and system (it takes Python 3.{oldest} to 3.{newest}, and on Linux one \
+             with glibc), or the package index cannot be reached"
         )
+    } else if said("linker `") {
+        "cargo needs a C compiler to link programs; on Debian and Ubuntu: `apt install gcc libc6-dev`".to_owned()
     } else if said("ensurepip") {
         "this Python lacks parts; on Debian and Ubuntu: `apt install python3-venv`".to_owned()
-    } else if ["Connection", "connection", "timed out", "SSL", "resolution"].iter().any(|t| said(t)) {
+    } else if ["Connection", "connection", "timed out", "SSL", "resolution", "resolve host"].iter().any(|t| said(t)) {
         "check the network and the proxy, and start it again; what was downloaded is kept".to_owned()
     } else {
         format!("read the log `{}`", log.display())
@@ -119,6 +141,10 @@ impl fmt::Display for InstallError {
                 write!(f, "another process is installing into `{}`", folder.display())?;
                 if process.is_empty() { Ok(()) } else { write!(f, " (number {process})") }
             }
+            Self::ByUser { driver } => write!(f, "`{}` is not installed by ltsc", driver.name),
+            Self::Cargo { driver, .. } => {
+                write!(f, "no cargo was found that `{}` can be built with", driver.name)
+            }
             Self::Python { driver, .. } => {
                 write!(f, "no Python was found that `{}` can be installed with", driver.name)
             }
@@ -127,6 +153,8 @@ impl fmt::Display for InstallError {
                     Step::Python => "looking for a Python",
                     Step::Environment => "making a Python environment",
                     Step::Packages => "installing the packages",
+                    Step::Cargo => "looking for a cargo",
+                    Step::Build => "building the sources",
                     Step::Verification => "rendering a first image",
                 };
                 write!(f, "{what} for `{}` failed", driver.name)?;
@@ -156,7 +184,13 @@ impl std::error::Error for InstallError {
         match self {
             Self::Render(error) => Some(error.as_ref()),
             Self::Io { source, .. } => Some(source),
-            Self::Busy { .. } | Self::Python { .. } | Self::Step { .. } | Self::Wrong { .. } | Self::Cancelled => None,
+            Self::ByUser { .. }
+            | Self::Cargo { .. }
+            | Self::Busy { .. }
+            | Self::Python { .. }
+            | Self::Step { .. }
+            | Self::Wrong { .. }
+            | Self::Cancelled => None,
         }
     }
 }

@@ -1,18 +1,20 @@
-//! Private installations of renderers: a Python environment each, in the user's cache.
+//! Private installations of renderers in the user's cache: a Python environment, or what cargo has built.
 //!
-//! `<cache>/renderers/<name>-<version>/` holds `venv/`, `install.log`, `install.lock`, the downloads
-//! in `wheels/` and `pip-cache/` while they are needed, and, once everything has been proved to
-//! work, `installed.json`. Nothing outside that folder is touched, and without the last file the
-//! environment counts for nothing: it is made again, from what has already been downloaded.
+//! `<cache>/renderers/<name>-<version>/` holds `venv/` (Python) or `root/` (cargo), `install.log`, `install.lock`, what
+//! is needed on the way (`wheels/` and `pip-cache/`, or `build/`), and, once everything has been proved to work,
+//! `installed.json`. Nothing outside that folder is touched but cargo's own downloads, and without the last file what is
+//! there counts for nothing: it is made again, from what has already been downloaded or built.
 
+mod cargo;
 mod error;
+mod pip;
 mod python;
 mod verify;
 
-use std::ffi::{OsStr, OsString};
 use std::fs::{self, File, TryLockError};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -20,8 +22,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::cache::{CachePaths, replace_file};
 use crate::env::{Env, executable};
-use crate::run::process::{End, Lines, Patience, run, tail};
-use crate::run::{Driver, find_on_path};
+use crate::run::process::{End, Lines, Patience, begin, run, tail};
+use crate::run::{Driver, Installation, find_on_path};
 
 pub use error::InstallError;
 
@@ -38,9 +40,9 @@ pub struct InstallRequest {
     pub driver: &'static Driver,
     /// Into which cache.
     pub cache: CachePaths,
-    /// The environment in which to look for a Python.
+    /// The environment in which to look for a Python or a cargo.
     pub env: Env,
-    /// The Python to use; one on the path if nothing is said.
+    /// The Python to use, where it takes one; one on the path if nothing is said.
     pub python: Option<PathBuf>,
     /// Becomes true when the caller no longer wants the installation.
     pub cancel: Option<Arc<AtomicBool>>,
@@ -49,7 +51,7 @@ pub struct InstallRequest {
 /// A private installation that works.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Installed {
-    /// The Python that has the renderer, to be used as the executable of a request.
+    /// The program, or the Python that has the renderer, to be used as the executable of a request.
     pub path: PathBuf,
     /// The version of the renderer.
     pub version: String,
@@ -71,7 +73,7 @@ pub enum Status {
     },
     /// A private installation.
     Installed {
-        /// The Python that has it.
+        /// The program, or the Python that has it.
         path: PathBuf,
         /// Its version.
         version: String,
@@ -94,6 +96,10 @@ pub enum Step {
     Environment,
     /// Downloading and unpacking packages.
     Packages,
+    /// Looking for a cargo.
+    Cargo,
+    /// Downloading sources and building them.
+    Build,
     /// Rendering a scene whose image is known.
     Verification,
 }
@@ -112,17 +118,22 @@ pub enum InstallProgress {
 struct Marker {
     driver: String,
     version: String,
-    python: String,
+    /// The version of Python or of cargo.
+    #[serde(alias = "python")]
+    tool: String,
     requirements: Vec<String>,
 }
 
 /// Installs a renderer, or finds that it is there.
 ///
 /// # Errors
-/// Gives an error if another process is at it, no Python fits, a step fails, or the installed
-/// renderer gives a wrong image. What was downloaded is kept for the next attempt.
+/// Gives an error if ltsc does not install it, another process is at it, no Python or cargo fits, a step fails, or the
+/// installed renderer gives a wrong image. What was downloaded and built is kept for the next attempt.
 pub fn install(request: &InstallRequest, progress: &mut dyn FnMut(InstallProgress)) -> Result<Installed, InstallError> {
     let driver = request.driver;
+    if matches!(driver.installation, Installation::User { .. }) {
+        return Err(InstallError::ByUser { driver });
+    }
     let cache =
         CachePaths { root: std::path::absolute(&request.cache.root).map_err(InstallError::io(&request.cache.root))? };
     let folder = cache.renderer(driver.name, driver.version);
@@ -131,61 +142,53 @@ pub fn install(request: &InstallRequest, progress: &mut dyn FnMut(InstallProgres
     if let Status::Installed { path, version } = status_in_cache(driver, &cache) {
         return Ok(Installed { path, version, folder, already: true });
     }
-    progress(InstallProgress::Step(Step::Python));
-    let base = python::choose(driver, request.python.as_deref(), &request.env)?;
-    progress(InstallProgress::Line(format!("{} ({})", base.path.display(), base.version)));
     let site = Site { request, folder: &folder };
-
-    progress(InstallProgress::Step(Step::Environment));
-    // What an interrupted pip left behind may look complete to the next one, so only its
-    // downloads are kept.
-    let place = folder.join("venv");
-    let arguments = ["--clear".into(), place.clone().into_os_string()];
-    site.module(Step::Environment, &base.path, "venv", &arguments, progress)?;
-    let python = venv_python(&place);
-
-    progress(InstallProgress::Step(Step::Packages));
-    // In two steps, because pip's own cache keeps only what the package index lets it keep.
-    let (wheels, downloads) = (folder.join("wheels"), folder.join("pip-cache"));
-    let pip = |command: &str, options: &[&OsStr], progress: &mut dyn FnMut(InstallProgress)| {
-        // Renderers are not built here: without a wheel that would fail after a long time.
-        let common = ["--disable-pip-version-check", "--no-input", "--progress-bar=off", "--only-binary=:all:"];
-        let arguments: Vec<OsString> = std::iter::once(command)
-            .chain(common)
-            .map(OsStr::new)
-            .chain(options.iter().copied())
-            .chain(driver.requirements.iter().map(OsStr::new))
-            .map(OsStr::to_owned)
-            .collect();
-        site.module(Step::Packages, &python, "pip", &arguments, progress)
+    let Made { executable, tool, leftovers } = match &driver.installation {
+        Installation::Python(packages) => pip::make(&site, packages, progress)?,
+        Installation::Cargo(source) => cargo::make(&site, source, progress)?,
+        Installation::User { .. } => return Err(InstallError::ByUser { driver }),
     };
-    pip("download", &["--cache-dir".as_ref(), downloads.as_os_str(), "--dest".as_ref(), wheels.as_os_str()], progress)?;
-    let options = ["--no-index", "--no-cache-dir", "--no-warn-script-location", "--find-links"].map(OsStr::new);
-    let unpacked = pip("install", &[&options[..], &[wheels.as_os_str()]].concat(), progress);
-    if unpacked.is_err() {
-        // A download that was cut off may be the cause, and without a checksum from the index pip
-        // would keep it.
-        let _ = fs::remove_dir_all(&wheels);
-    }
-    unpacked?;
-
     progress(InstallProgress::Step(Step::Verification));
-    let version = verify::verify(driver, &python, &folder, request.cancel.clone())?;
-    let marker = Marker {
-        driver: driver.name.to_owned(),
-        version: version.clone(),
-        python: base.version,
-        requirements: driver.requirements.iter().map(|&line| line.to_owned()).collect(),
-    };
+    let version = verify::verify(driver, &executable, &folder, request.cancel.clone())?;
+    let marker =
+        Marker { driver: driver.name.to_owned(), version: version.clone(), tool, requirements: requirements(driver) };
     let path = folder.join(MARKER);
     let json = serde_json::to_vec_pretty(&marker).map_err(|error| InstallError::io(&path)(error.into()))?;
     replace_file(&path, |file| file.write_all(&json)).map_err(InstallError::io(&path))?;
     // Now they are of no further use; it is no fault if they stay.
-    for place in [wheels, downloads] {
+    for place in leftovers {
         let _ = fs::remove_dir_all(place);
     }
     drop(lock);
-    Ok(Installed { path: python, version, folder, already: false })
+    Ok(Installed { path: executable, version, folder, already: false })
+}
+
+/// What an installation has made.
+struct Made {
+    /// What a request is to run.
+    executable: PathBuf,
+    /// The version of the tool that made it.
+    tool: String,
+    /// Folders that are of no use once it is known to work.
+    leftovers: Vec<PathBuf>,
+}
+
+/// What the marker of an installation of this version says, so that another choice of packages is installed anew.
+fn requirements(driver: &Driver) -> Vec<String> {
+    match &driver.installation {
+        Installation::Python(packages) => packages.requirements.iter().map(|&line| line.to_owned()).collect(),
+        Installation::Cargo(source) => vec![format!("{}={}", source.name, driver.version)],
+        Installation::User { .. } => Vec::new(),
+    }
+}
+
+/// Where the executable of an installation lies.
+fn place(driver: &Driver, folder: &Path) -> Option<PathBuf> {
+    match &driver.installation {
+        Installation::Python(_) => Some(pip::python(folder)),
+        Installation::Cargo(source) => Some(cargo::program(source, folder)),
+        Installation::User { .. } => None,
+    }
 }
 
 /// Deletes a private installation with its downloads; it is no error if there is none.
@@ -228,18 +231,13 @@ pub fn status_in_cache(driver: &Driver, cache: &CachePaths) -> Status {
     }
     let marker = fs::read(folder.join(MARKER)).ok();
     let marker = marker.and_then(|bytes| serde_json::from_slice::<Marker>(&bytes).ok());
-    let path = venv_python(&folder.join("venv"));
-    match marker {
+    match (marker, place(driver, &folder)) {
         // The Python below an environment may have been removed since.
-        Some(marker) if marker.requirements == driver.requirements && executable(&path) => {
+        (Some(marker), Some(path)) if marker.requirements == requirements(driver) && executable(&path) => {
             Status::Installed { path, version: marker.version }
         }
         _ => Status::Partial { folder },
     }
-}
-
-fn venv_python(venv: &Path) -> PathBuf {
-    if cfg!(windows) { venv.join("Scripts").join("python.exe") } else { venv.join("bin").join("python") }
 }
 
 /// Takes the lock of an installation folder, and notes who has it.
@@ -269,37 +267,29 @@ struct Site<'a> {
 }
 
 impl Site<'_> {
-    /// Runs a Python module as `python -m` does, seeing nothing of the user's packages, and ending
-    /// with this process.
-    fn module(
+    /// Runs a command of a step in the installation's folder, with a folder for temporary files there.
+    fn run(
         &self,
         step: Step,
-        python: &Path,
-        module: &str,
-        arguments: &[OsString],
+        mut command: Command,
         progress: &mut dyn FnMut(InstallProgress),
     ) -> Result<(), InstallError> {
         let scratch = self.folder.join("tmp");
         fs::create_dir_all(&scratch).map_err(InstallError::io(&scratch))?;
-        let mut command = python::isolated(python);
-        command.arg("-c").arg(python::SUPERVISED).arg(module).args(arguments);
         command.current_dir(self.folder);
         for variable in ["TMPDIR", "TEMP", "TMP"] {
             command.env(variable, &scratch);
         }
-        // What would lead pip elsewhere; where packages come from stays the user's choice.
-        for variable in ["PIP_TARGET", "PIP_PREFIX", "PIP_ROOT", "PIP_NO_CACHE_DIR", "PIP_DRY_RUN"] {
-            command.env_remove(variable);
-        }
-        command.env("PIP_USER", "0");
+        let program = PathBuf::from(command.get_program());
         let log = self.folder.join(LOG);
+        begin(&log).map_err(InstallError::io(&log))?;
         let patience = Patience { timeout: None, cancel: self.request.cancel.as_deref() };
         let end = run(command, &log, Lines::All, patience, &mut |line| {
             progress(InstallProgress::Line(line.to_owned()));
         });
         // Anything that stays is deleted with the folder.
         let _ = fs::remove_dir_all(&scratch);
-        match end.map_err(InstallError::io(python))? {
+        match end.map_err(InstallError::io(&program))? {
             End::Exited(status) if status.success() => Ok(()),
             End::Exited(status) => Err(InstallError::Step {
                 driver: self.request.driver,

@@ -5,9 +5,9 @@ use std::process::Command;
 
 use super::InstallError;
 use crate::env::{Env, executable};
-use crate::run::Driver;
 use crate::run::process::{End, Lines};
 use crate::run::script::ask;
+use crate::run::{Driver, Packages};
 
 /// Runs the module named by the first argument as `python -m` would. Standard input is held open
 /// by ltsc; when it ends, ltsc has ended, and nobody would notice if this went on beside another
@@ -47,8 +47,13 @@ pub(super) struct Base {
 }
 
 /// The Python that was named, else the first on the path that fits.
-pub(super) fn choose(driver: &'static Driver, named: Option<&Path>, env: &Env) -> Result<Base, InstallError> {
-    let (oldest, newest) = driver.pythons;
+pub(super) fn choose(
+    driver: &'static Driver,
+    packages: &Packages,
+    named: Option<&Path>,
+    env: &Env,
+) -> Result<Base, InstallError> {
+    let (oldest, newest) = packages.pythons;
     let candidates: Vec<PathBuf> = match named {
         Some(path) if executable(path) => std::path::absolute(path).into_iter().collect(),
         Some(path) => path.to_str().map(|name| env.on_path(name)).unwrap_or_default(),
@@ -61,7 +66,7 @@ pub(super) fn choose(driver: &'static Driver, named: Option<&Path>, env: &Env) -
     };
     let mut looked = Vec::new();
     for path in candidates {
-        match examine(driver, &path) {
+        match examine(driver, packages.pythons, &path) {
             Ok(version) => return Ok(Base { path, version }),
             Err(reason) => looked.push(format!("`{}`: {reason}", path.display())),
         }
@@ -72,7 +77,7 @@ pub(super) fn choose(driver: &'static Driver, named: Option<&Path>, env: &Env) -
             None => "no `python3` on the path".to_owned(),
         });
     }
-    Err(InstallError::Python { driver, looked })
+    Err(InstallError::Python { driver, pythons: packages.pythons, looked })
 }
 
 /// A Python that sees neither the user's packages nor the working directory, and does not keep
@@ -83,7 +88,7 @@ pub(super) fn isolated(python: &Path) -> Command {
     command
 }
 
-fn examine(driver: &Driver, path: &Path) -> Result<String, String> {
+fn examine(driver: &Driver, (oldest, newest): (u32, u32), path: &Path) -> Result<String, String> {
     let mut command = isolated(path);
     command.arg("-c").arg(QUESTION);
     let (mut version, mut venv) = (None, false);
@@ -101,7 +106,6 @@ fn examine(driver: &Driver, path: &Path) -> Result<String, String> {
         }
     };
     let mut numbers = version.split('.').map(|part| part.parse::<u32>().unwrap_or_default());
-    let (oldest, newest) = driver.pythons;
     match (numbers.next(), numbers.next()) {
         (Some(3), Some(minor)) if (oldest..=newest).contains(&minor) => {}
         _ => {

@@ -12,8 +12,6 @@ use crate::run::{Driver, RenderRequest, TEST_SCENE, render};
 
 /// The first start of a renderer on a slow disk.
 const TIME: Duration = Duration::from_secs(300);
-/// For what is seen directly, which both renderers give exactly (measured).
-const EXACT: f32 = 1e-4;
 /// For the mean over the diffuse quarter, about twenty standard deviations of 64 samples in 16
 /// pixels (0.0115 / 4 of 0.5, measured with Mitsuba 3.9.1; LuxCore has a fourth of that).
 const NOISY: f32 = 0.12;
@@ -22,7 +20,7 @@ const NOISY: f32 = 0.12;
 /// [`TEST_SCENE`] says. Gives the version of the renderer.
 pub(super) fn verify(
     driver: &'static Driver,
-    python: &Path,
+    executable: &Path,
     folder: &Path,
     cancel: Option<Arc<AtomicBool>>,
 ) -> Result<String, InstallError> {
@@ -34,7 +32,7 @@ pub(super) fn verify(
     }
     let (width, height, samples) = TEST_SCENE;
     let mut request = RenderRequest::new(driver, scene.clone(), (width, height), folder.join("test-scene.log"));
-    request.executable = Some(python.to_owned());
+    request.executable = Some(executable.to_owned());
     request.samples = samples;
     // LuxCore 2.11.2 adds samples of several threads to a pixel without a lock: in an image this small an update is lost
     // now and then (measured: a pixel of radiance 1 came out as 199/198).
@@ -42,14 +40,14 @@ pub(super) fn verify(
     request.timeout = Some(TIME);
     request.cancel = cancel;
     let rendered = render(&request, &mut |_| {}).map_err(|error| InstallError::Render(Box::new(error)))?;
-    judge(&rendered.image).map_err(|message| InstallError::Wrong { driver, message })?;
+    judge(&rendered.image, driver.precision).map_err(|message| InstallError::Wrong { driver, message })?;
     // What stays is of no further use.
     let _ = fs::remove_dir_all(&scene);
     Ok(rendered.renderer_version)
 }
 
-/// Compares an image with [`TEST_SCENE`].
-pub(super) fn judge(image: &Image) -> Result<(), String> {
+/// Compares an image with [`TEST_SCENE`]; what is seen directly must be right within the driver's precision.
+pub(super) fn judge(image: &Image, precision: f32) -> Result<(), String> {
     let (columns, rows) = (image.width / 2, image.height / 2);
     let surface = [0.5, 0.25, 0.125];
     let mut mean = [0.0; 3];
@@ -66,7 +64,7 @@ pub(super) fn judge(image: &Image) -> Result<(), String> {
                 }
                 _ => [1.0; 3],
             };
-            if !close(pixel, wanted, EXACT) {
+            if !close(pixel, wanted, precision) {
                 return Err(format!("pixel ({x}, {y}) of the test scene is {pixel:?} instead of {wanted:?}"));
             }
         }

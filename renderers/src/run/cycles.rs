@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::process::{End, Lines};
-use super::{Driver, Job, Plan, RenderError, script};
+use super::{Driver, EXACT, Installation, Job, Packages, Plan, RenderError, script};
 
 pub(super) const ROW: Driver = Driver {
     name: "cycles",
@@ -13,11 +13,15 @@ pub(super) const ROW: Driver = Driver {
     target: "cycles",
     main_file: "scene.py",
     version: "4.5.15",
-    requirements: &["bpy==4.5.15"],
-    // Wheels of 4.5.15 on the package index.
-    pythons: (11, 11),
-    module: "bpy",
+    installation: Installation::Python(Packages {
+        requirements: &["bpy==4.5.15"],
+        // Wheels of 4.5.15 on the package index.
+        pythons: (11, 11),
+        module: "bpy",
+    }),
     programs: &["blender"],
+    asks_named: false,
+    precision: EXACT,
     test_scene: &[("scene.py", include_str!("test_scenes/cycles.py"))],
     hints: &[
         ("MemoryError", "it ran out of memory; make the image or the meshes smaller"),
@@ -33,7 +37,7 @@ const OLDEST: (u32, u32) = (4, 3);
 
 fn probe(executable: &Path) -> Result<String, String> {
     let version = if script::is_python(executable) {
-        script::probe(executable, ROW.module, "bpy.app.version_string.split()[0]")?
+        script::probe(executable, "bpy", "bpy.app.version_string.split()[0]")?
     } else if is_program(executable) {
         ask(executable)?
     } else {

@@ -6,14 +6,14 @@ use std::path::{Path, PathBuf};
 use std::process::ExitStatus;
 use std::time::Duration;
 
-use super::process;
+use super::{Driver, process};
 use crate::image::ImageError;
 
 /// Lines of the log that an error carries.
 pub(super) const TAIL: usize = 20;
 /// Lines in which a known cause is looked for: it may stand before a long traceback, and lines of
 /// standard output reach the log later than those of standard error.
-const CAUSES: usize = 500;
+pub(super) const CAUSES: usize = 500;
 
 /// Why a renderer gave no image. Those that it caused itself carry the end of its log.
 #[derive(Debug)]
@@ -93,9 +93,7 @@ impl RenderError {
     #[must_use]
     pub fn hint(&self) -> String {
         match self {
-            Self::NotFound { driver, .. } => {
-                format!("`ltsc renderers install {driver}` makes a private copy; or name an executable")
-            }
+            Self::NotFound { driver, .. } => super::driver(driver).map_or_else(String::new, Driver::advice),
             Self::Request { hint, .. } => hint.clone(),
             Self::Failed(failure) => failure.hint.clone(),
             Self::Io { .. } => "check the name, the permissions and the free space".to_owned(),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::script::is_python;
-use super::{Driver, RenderError};
+use super::{Driver, Installation, RenderError};
 use crate::cache::CachePaths;
 use crate::env::{Env, executable};
 use crate::install;
@@ -63,7 +63,9 @@ pub fn find(driver: &'static Driver, search: &Search<'_>) -> Result<Found, Rende
         };
     }
     let mut looked = Vec::new();
+    let private = !matches!(driver.installation, Installation::User { .. });
     match search.cache.map(|cache| (cache, install::status_in_cache(driver, cache))) {
+        _ if !private => {}
         Some((_, install::Status::Installed { path, version })) => {
             return Ok(Found { path, version, source: Source::Installed });
         }
@@ -84,7 +86,8 @@ pub fn find(driver: &'static Driver, search: &Search<'_>) -> Result<Found, Rende
 
 /// Looks on the path only, for a program and its version; adds to `looked` what did not work.
 pub(crate) fn on_path(driver: &Driver, env: &Env, looked: &mut Vec<String>) -> Option<(PathBuf, String)> {
-    for program in ["python3"].iter().chain(driver.programs) {
+    let python = driver.packages().map(|_| "python3");
+    for program in python.iter().chain(driver.programs) {
         let all = env.on_path(program);
         if all.is_empty() {
             looked.push(format!("`{program}`: not on the path"));
@@ -111,8 +114,6 @@ fn locate(name: &Path, env: &Env) -> Option<PathBuf> {
 /// The reason to give for a program that a driver has no use for.
 pub(crate) fn wrong_program(path: &Path, driver: &Driver) -> String {
     debug_assert!(!is_python(path));
-    format!(
-        "it is neither a Python nor one of: {}",
-        if driver.programs.is_empty() { "-".to_owned() } else { driver.programs.join(", ") }
-    )
+    let programs = if driver.programs.is_empty() { "-".to_owned() } else { driver.programs.join(", ") };
+    format!("it is neither a Python nor one of: {programs}")
 }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Driver, Job, Plan, RenderError, script};
+use super::{Driver, EXACT, Installation, Job, Packages, Plan, RenderError, script};
 
 pub(super) const ROW: Driver = Driver {
     name: "luxcore",
@@ -11,11 +11,15 @@ pub(super) const ROW: Driver = Driver {
     target: "luxcore",
     main_file: "scene.cfg",
     version: "2.11.2",
-    requirements: &["pyluxcore==2.11.2"],
-    // Wheels of 2.11.2 on the package index.
-    pythons: (10, 14),
-    module: "pyluxcore",
+    installation: Installation::Python(Packages {
+        requirements: &["pyluxcore==2.11.2"],
+        // Wheels of 2.11.2 on the package index.
+        pythons: (10, 14),
+        module: "pyluxcore",
+    }),
     programs: &[],
+    asks_named: false,
+    precision: EXACT,
     test_scene: &[
         ("scene.cfg", include_str!("test_scenes/luxcore.cfg")),
         ("scene.scn", include_str!("test_scenes/luxcore.scn")),
@@ -33,7 +37,7 @@ pub(super) const ROW: Driver = Driver {
 
 fn probe(executable: &Path) -> Result<String, String> {
     if script::is_python(executable) {
-        script::probe(executable, ROW.module, "pyluxcore.Version()")
+        script::probe(executable, "pyluxcore", "pyluxcore.Version()")
     } else {
         Err(super::find::wrong_program(executable, &ROW))
     }

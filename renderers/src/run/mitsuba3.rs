@@ -1,11 +1,10 @@
 //! Mitsuba 3, through the Python package `mitsuba` or its program `mitsuba`.
 
-use std::fs;
 use std::path::Path;
 use std::process::Command;
 
 use super::process::{End, Lines};
-use super::{Delivery, Driver, Job, Plan, RenderError, script};
+use super::{Delivery, Driver, EXACT, Installation, Job, Packages, Plan, RenderError, emitted, script};
 
 /// The variant that every installation has and that needs nothing else. The `llvm_*` variants are
 /// about five times faster, but a wrong LLVM library ends the process at the first image (14 to 16
@@ -19,11 +18,15 @@ pub(super) const ROW: Driver = Driver {
     target: "mitsuba-3",
     main_file: "scene.xml",
     version: "3.9.1",
-    requirements: &["mitsuba==3.9.1"],
-    // Wheels of 3.9.1 on the package index.
-    pythons: (9, 14),
-    module: "mitsuba",
+    installation: Installation::Python(Packages {
+        requirements: &["mitsuba==3.9.1"],
+        // Wheels of 3.9.1 on the package index.
+        pythons: (9, 14),
+        module: "mitsuba",
+    }),
     programs: &["mitsuba"],
+    asks_named: false,
+    precision: EXACT,
     test_scene: &[
         ("scene.xml", include_str!("test_scenes/mitsuba3.xml")),
         ("emitter.ply", include_str!("test_scenes/emitter.ply")),
@@ -51,7 +54,7 @@ pub(super) const ROW: Driver = Driver {
 
 fn probe(executable: &Path) -> Result<String, String> {
     if script::is_python(executable) {
-        return script::probe(executable, ROW.module, "mitsuba.__version__");
+        return script::probe(executable, "mitsuba", "mitsuba.__version__");
     }
     if !is_program(executable) {
         return Err(super::find::wrong_program(executable, &ROW));
@@ -100,14 +103,12 @@ fn plan(job: &Job<'_>) -> Result<Plan, RenderError> {
 /// numbers of streams and not multiplied by anything.
 fn plan_program(job: &Job<'_>, variant: &str, streams: &Streams) -> Result<Plan, RenderError> {
     for name in ["samples", "seed"] {
-        if !declares(job, name) {
-            return Err(RenderError::Request {
-                message: format!("`{}` has no parameter `{name}` to set", job.main.display()),
-                hint: format!(
-                    "write `<default name=\"{name}\" value=\"0\"/>` and use `${name}` in the \
-                     sampler, or name a Python that has Mitsuba"
-                ),
-            });
+        if !emitted::declares(job, name) {
+            let hint = format!(
+                "write `<default name=\"{name}\" value=\"0\"/>` and use `${name}` in the sampler, or name a Python that \
+                 has Mitsuba"
+            );
+            return Err(emitted::no_parameter(job, name, hint));
         }
     }
     let image = job.scratch.join("image.exr");
@@ -123,7 +124,7 @@ fn plan_program(job: &Job<'_>, variant: &str, streams: &Streams) -> Result<Plan,
         .arg(&image)
         .arg(job.main)
         .current_dir(job.scratch);
-    Ok(Plan { command, delivery: Delivery::File(image) })
+    Ok(Plan { command, delivery: Delivery::File(image, |_| None) })
 }
 
 /// Which random streams the passes of each seed use.
@@ -174,15 +175,6 @@ impl Streams {
             hint: format!("use seeds below {}", self.seeds()),
         })
     }
-}
-
-/// Whether the main file or one beside it declares a parameter.
-fn declares(job: &Job<'_>, name: &str) -> bool {
-    let wanted = format!("<default name=\"{name}\"");
-    let beside = fs::read_dir(job.folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    std::iter::once(job.main.to_owned())
-        .chain(beside.filter(|path| path.extension().is_some_and(|extension| extension == "xml")))
-        .any(|path| fs::read_to_string(path).is_ok_and(|text| text.contains(&wanted)))
 }
 
 /// Refuses a variant that would end the process for want of its library.

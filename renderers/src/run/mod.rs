@@ -2,13 +2,21 @@
 //!
 //! A driver takes an emitted folder as it is and sets only seed, samples and threads.
 
+mod bar;
+pub(crate) mod brackets;
 mod cycles;
+mod emitted;
 mod error;
 mod find;
 mod luxcore;
+mod mitsuba0;
 mod mitsuba3;
+mod pbrt;
+mod pbrt3;
+mod pbrt4;
 pub(crate) mod process;
 mod render;
+mod rs_pbrt;
 pub(crate) mod script;
 
 use std::path::{Path, PathBuf};
@@ -27,7 +35,16 @@ pub use find::{Found, Search, Source, find};
 pub use render::render;
 
 /// All drivers, in the order in which they are listed.
-pub const DRIVERS: &[&Driver] = &[&mitsuba3::ROW, &luxcore::ROW, &cycles::ROW];
+pub const DRIVERS: &[&Driver] = &[
+    &mitsuba3::ROW,
+    &luxcore::ROW,
+    &cycles::ROW,
+    &rs_pbrt::ROW,
+    &pbrt4::ROW,
+    &pbrt3::ROW,
+    &mitsuba0::ROW_06,
+    &mitsuba0::ROW_05,
+];
 
 /// The driver of this name or alias.
 #[must_use]
@@ -49,16 +66,17 @@ pub struct Driver {
     pub main_file: &'static str,
     /// The version that is installed and that everything was measured with.
     pub version: &'static str,
-    /// What pip is to install.
-    pub requirements: &'static [&'static str],
-    /// The oldest and the newest minor version of Python 3 that the package index has wheels for.
-    pub pythons: (u32, u32),
-    /// The Python module.
-    pub module: &'static str,
+    /// How ltsc installs it.
+    pub installation: Installation,
     /// Programs with this driver's own command line.
     pub programs: &'static [&'static str],
-    /// The smallest scene that shows whether an installation works; see [`TEST_SCENE`].
+    /// Whether a named executable is asked for its version before it renders. For a program that takes no time and tells
+    /// a wrong version before it has misread the scene; a Python with a renderer takes about a second to answer.
+    pub asks_named: bool,
+    /// The smallest scene that shows whether an installation works; see [`TEST_SCENE`]. Empty where nothing is installed.
     pub test_scene: &'static [(&'static str, &'static str)],
+    /// The largest relative error of a directly seen colour in the image that the driver hands over.
+    pub precision: f32,
     /// Texts of the log that tell a known cause, each with what to do about it.
     pub hints: &'static [(&'static str, &'static str)],
     /// Asks an executable for its version; the reason if it has none.
@@ -66,6 +84,69 @@ pub struct Driver {
     /// Turns a request into a command.
     pub(crate) plan: fn(&Job<'_>) -> Result<Plan, RenderError>,
 }
+
+impl Driver {
+    /// What ltsc has to install of it for Python, if it comes that way.
+    #[must_use]
+    pub fn packages(&self) -> Option<&Packages> {
+        match &self.installation {
+            Installation::Python(packages) => Some(packages),
+            Installation::Cargo(_) | Installation::User { .. } => None,
+        }
+    }
+
+    /// How to come by it, as a sentence.
+    #[must_use]
+    pub fn advice(&self) -> String {
+        match &self.installation {
+            Installation::Python(_) | Installation::Cargo(_) => {
+                format!("`ltsc renderers install {}` makes a private copy; or name an executable", self.name)
+            }
+            Installation::User { source } => format!(
+                "ltsc does not install it: build it from {source}, and name it by `--executable`, by `[renderers.\"{}\"]` in \
+                 `ltsc.toml`, or put it on the path as {}",
+                self.name,
+                self.programs.iter().map(|program| format!("`{program}`")).collect::<Vec<_>>().join(" or ")
+            ),
+        }
+    }
+}
+
+/// How a renderer comes onto a machine.
+pub enum Installation {
+    /// As packages of Python, into a private environment.
+    Python(Packages),
+    /// As a crate that cargo builds, into a private folder.
+    Cargo(Crate),
+    /// By the user.
+    User {
+        /// Where its source is.
+        source: &'static str,
+    },
+}
+
+/// Packages of Python that hold a renderer.
+pub struct Packages {
+    /// What pip is to install.
+    pub requirements: &'static [&'static str],
+    /// The oldest and the newest minor version of Python 3 that the package index has wheels for.
+    pub pythons: (u32, u32),
+    /// The Python module.
+    pub module: &'static str,
+}
+
+/// A crate that holds a renderer; its version is that of the driver.
+pub struct Crate {
+    /// Its name in the registry of crates.
+    pub name: &'static str,
+    /// The program that it builds.
+    pub program: &'static str,
+    /// The oldest cargo and compiler, 1.x, that can build it.
+    pub oldest: u32,
+}
+
+/// The precision of drivers that hand over the numbers of their renderer (measured with the test scene: they are exact).
+pub(crate) const EXACT: f32 = 1e-4;
 
 /// Width, height and samples of all test scenes, and what they show: a constant environment of
 /// radiance 1 behind two squares. The upper left quarter is an emitter of radiance (1, 2, 4). The
@@ -96,7 +177,8 @@ pub struct RenderRequest {
     pub samples: u32,
     /// Seed. Count from 0: different seeds give images without common random numbers, and those so
     /// large that this could not be kept are refused (Mitsuba has 16384 seeds at 128 by 128 pixels,
-    /// 1024 at 512 by 512). Equal seeds give the same image where the renderer can do that.
+    /// 1024 at 512 by 512). Equal seeds give the same image where the renderer can do that. A renderer without seeds
+    /// (rs_pbrt, pbrt-v3, Mitsuba 0.x) refuses any but 0.
     pub seed: u32,
     /// Threads; all processors if nothing is said.
     pub threads: Option<usize>,
@@ -175,6 +257,8 @@ pub struct Rendered {
     pub executable: PathBuf,
     /// The whole output of the renderer.
     pub log_path: PathBuf,
+    /// What else there is to know of the image, by name; it goes into the provenance.
+    pub facts: Vec<(String, String)>,
 }
 
 /// A request whose executable and folders are known.
@@ -199,6 +283,31 @@ pub(crate) struct Plan {
 pub(crate) enum Delivery {
     /// By events that name image files in the scratch folder, to be averaged by their samples.
     Events,
-    /// As one image file, whose samples are those of the request.
-    File(PathBuf),
+    /// As one image file, whose samples are those of the request; the function understands lines of its output.
+    File(PathBuf, Listener),
+    /// By several runs, of which the plan has the first.
+    Series(Box<dyn Series>, Listener),
+}
+
+/// Understands a line of a renderer's output.
+pub(crate) type Listener = fn(&str) -> Option<Said>;
+
+/// What a line of a renderer's output says.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Said {
+    /// The share of the image that is done, from 0 to 1; the first such line tells that the scene is loaded.
+    Part(f64),
+    /// How long the rendering took, in seconds.
+    Took(f64),
+}
+
+/// Several runs that give one image.
+pub(crate) trait Series {
+    /// Takes in what a run has left; gives the next command, or nothing when the image is whole. An error says what is
+    /// wrong, such as "left no image".
+    fn next(&mut self) -> Result<Option<Command>, String>;
+    /// How many runs there will be, as far as is known, at least as many as there have been.
+    fn expected(&self) -> usize;
+    /// The image, and the facts of [`Rendered`].
+    fn finish(self: Box<Self>) -> Result<(Image, Vec<(String, String)>), String>;
 }

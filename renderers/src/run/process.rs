@@ -18,7 +18,7 @@ use std::time::{Duration, Instant};
 /// What begins a line that is meant for us.
 pub(crate) const EVENT: &str = "@ltsc ";
 /// Lines that are longer are not for us, and are cut where they are shown.
-const LONGEST_LINE: u64 = 64 * 1024;
+const LONGEST_LINE: usize = 64 * 1024;
 /// How often the end of the program and of the patience is looked for.
 const POLL: Duration = Duration::from_millis(20);
 /// How long output may go on after the program and its group have ended.
@@ -29,7 +29,8 @@ const LINGER: Duration = Duration::from_secs(2);
 pub(crate) enum Lines {
     /// Those that begin with [`EVENT`], without it; they are not logged.
     Events,
-    /// All of them; they are logged as well.
+    /// All of them, and each state of a progress bar, which ends where the bar returns to the start of its line; they are
+    /// logged as well.
     All,
 }
 
@@ -48,7 +49,12 @@ pub(crate) enum End {
     Cancelled,
 }
 
-/// Runs the command, whose input and output are set here; `log` is begun anew.
+/// Begins a log anew.
+pub(crate) fn begin(log: &Path) -> io::Result<()> {
+    File::create(log).map(|_| ())
+}
+
+/// Runs the command, whose input and output are set here; the output is added to `log`.
 pub(crate) fn run(
     mut command: Command,
     log: &Path,
@@ -56,9 +62,8 @@ pub(crate) fn run(
     patience: Patience<'_>,
     on_line: &mut dyn FnMut(&str),
 ) -> io::Result<End> {
-    File::create(log)?;
     // Two writers share the log, so each write must go to the end.
-    let open = || OpenOptions::new().append(true).open(log);
+    let open = || OpenOptions::new().append(true).create(true).open(log);
     let (sink, errors) = (open()?, open()?);
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(errors);
     #[cfg(unix)]
@@ -157,17 +162,17 @@ fn drain(receiver: &Receiver<String>, on_line: &mut dyn FnMut(&str)) {
 
 /// Copies standard output to the log and passes wanted lines on, until nobody writes any more.
 fn pump(stdout: ChildStdout, mut log: File, lines: Lines, sender: &SyncSender<String>) {
-    let mut reader = BufReader::with_capacity(LONGEST_LINE as usize, stdout);
+    let mut reader = BufReader::with_capacity(LONGEST_LINE, stdout);
     let mut line = Vec::new();
     let mut inside = false;
     loop {
         line.clear();
-        match reader.by_ref().take(LONGEST_LINE).read_until(b'\n', &mut line) {
-            Ok(0) | Err(_) => return,
-            Ok(_) => {}
+        match read_line(&mut reader, lines == Lines::All, &mut line) {
+            Ok(()) if !line.is_empty() => {}
+            _ => return,
         }
         let begins = !inside;
-        inside = line.last() != Some(&b'\n');
+        inside = !matches!((line.last(), lines), (Some(b'\n'), _) | (Some(b'\r'), Lines::All));
         let event = begins && !inside && line.starts_with(EVENT.as_bytes());
         // A full disk or a caller that has gone must not stop the reading, or the program would
         // wait for ever.
@@ -181,6 +186,29 @@ fn pump(stdout: ChildStdout, mut log: File, lines: Lines, sender: &SyncSender<St
             let _ = sender.send(text.trim_end().to_owned());
         }
     }
+}
+
+/// Reads up to the end of a line, of the state of a progress bar if those are wanted, of the longest line, or of the stream.
+fn read_line(reader: &mut impl BufRead, states: bool, line: &mut Vec<u8>) -> io::Result<()> {
+    while line.len() < LONGEST_LINE {
+        let bytes = match reader.fill_buf() {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
+            Err(error) => return Err(error),
+        };
+        if bytes.is_empty() {
+            return Ok(());
+        }
+        let bytes = &bytes[..bytes.len().min(LONGEST_LINE - line.len())];
+        let end = bytes.iter().position(|byte| *byte == b'\n' || states && *byte == b'\r');
+        let taken = end.map_or(bytes.len(), |end| end + 1);
+        line.extend_from_slice(&bytes[..taken]);
+        reader.consume(taken);
+        if end.is_some() {
+            return Ok(());
+        }
+    }
+    Ok(())
 }
 
 /// A running program and what it started. Dropping it kills all of them.

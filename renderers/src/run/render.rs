@@ -1,12 +1,12 @@
 //! Carries a request out: finds the program, runs it, and gathers the image.
 
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use serde::Deserialize;
 
-use super::process::{End, Lines, Patience, run, tail};
-use super::{Delivery, Driver, Job, Plan, Progress, RenderError, RenderRequest, Rendered, Search, find};
+use super::process::{End, Lines, Patience, begin, run, tail};
+use super::{Delivery, Driver, Job, Plan, Progress, RenderError, RenderRequest, Rendered, Said, Search, find};
 use crate::image::{Image, read};
 
 /// Renders one image. The renderer's processes have ended when this returns, however it does.
@@ -34,55 +34,69 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
             hint: format!("emit the scene for the target `{}` first", request.driver.target),
         });
     }
-    // A named executable is used without a question, since asking costs a start each time.
+    let search = |given| Search { env: &request.env, cache: request.cache.as_ref(), given, configured: None };
+    let driver = request.driver;
     let (executable, version) = match &request.executable {
-        Some(path) => (absolute(path)?, String::new()),
-        None => {
-            let search = Search { env: &request.env, cache: request.cache.as_ref(), given: None, configured: None };
-            let found = find(request.driver, &search)?;
+        Some(path) if !driver.asks_named => (absolute(path)?, String::new()),
+        given => {
+            let found = find(driver, &search(given.as_deref()))?;
             (found.path, found.version)
         }
     };
     let scratch = tempfile::Builder::new().prefix("ltsc-render-").tempdir().map_err(io(&std::env::temp_dir()))?;
     let job = Job { request, executable: &executable, folder: &folder, main: &main, scratch: scratch.path() };
-    let Plan { command, delivery } = (request.driver.plan)(&job)?;
-    let lines = match delivery {
-        Delivery::Events => Lines::Events,
-        Delivery::File(_) => Lines::All,
-    };
+    let Plan { command, mut delivery } = (driver.plan)(&job)?;
+    begin(&log).map_err(io(&log))?;
     let mut gathered = Gathered { version, ..Gathered::default() };
-    let patience = Patience { timeout: request.timeout, cancel: request.cancel.as_deref() };
-    let start = Instant::now();
-    let end = run(command, &log, lines, patience, &mut |line| {
-        if lines == Lines::Events {
-            gathered.take(line, scratch.path(), progress);
+    let mut watch = Watch::new(u64::from(request.samples));
+    if !gathered.version.is_empty() && !matches!(delivery, Delivery::Events) {
+        progress(Progress::Started { version: gathered.version.clone() });
+    }
+    let mut next = Some(command);
+    while let Some(command) = next.take() {
+        let left = request.timeout.map(|timeout| timeout.saturating_sub(watch.start.elapsed()));
+        let patience = Patience { timeout: left, cancel: request.cancel.as_deref() };
+        let lines = if matches!(delivery, Delivery::Events) { Lines::Events } else { Lines::All };
+        watch.begin(match &delivery {
+            Delivery::Series(series, _) => series.expected(),
+            Delivery::Events | Delivery::File(..) => 1,
+        });
+        let end = run(command, &log, lines, patience, &mut |line| match &delivery {
+            Delivery::Events => gathered.take(line, scratch.path(), progress),
+            Delivery::File(_, listener) | Delivery::Series(_, listener) => {
+                if let Some(said) = listener(line) {
+                    watch.take(said, progress);
+                }
+            }
+        });
+        judge(request, end.map_err(io(&executable))?, &gathered, &log)?;
+        watch.end();
+        if let Delivery::Series(series, _) = &mut delivery {
+            next = series.next().map_err(|message| no_image(driver, message, &log))?;
         }
-    })
-    .map_err(io(&executable))?;
-    let wall_seconds = start.elapsed().as_secs_f64();
-    judge(request, end, &gathered, &log)?;
-    let driver = request.driver;
-    let (image, samples_done, seconds) = match delivery {
+    }
+    let wall_seconds = watch.start.elapsed().as_secs_f64();
+    let (image, facts, samples_done, seconds) = match delivery {
         Delivery::Events => {
-            let seconds = gathered.seconds.unwrap_or(wall_seconds);
-            let samples = gathered.samples;
-            (gathered.take_image(driver, &log)?, samples, seconds)
+            let (samples, seconds) = (gathered.samples, gathered.seconds.unwrap_or(wall_seconds));
+            (gathered.take_image(driver, &log)?, Vec::new(), samples, seconds)
         }
-        Delivery::File(path) => {
+        Delivery::File(path, _) => {
             if !path.exists() {
                 return Err(no_image(driver, "left no image".to_owned(), &log));
             }
             if gathered.version.is_empty() {
                 gathered.version = (driver.probe)(&executable).unwrap_or_default();
             }
-            (read(&path)?.0, u64::from(request.samples), wall_seconds)
+            (read(&path)?.0, Vec::new(), u64::from(request.samples), watch.took)
+        }
+        Delivery::Series(series, _) => {
+            let (image, facts) = series.finish().map_err(|message| no_image(driver, message, &log))?;
+            (image, facts, u64::from(request.samples), watch.took)
         }
     };
     if (image.width, image.height) != (request.width, request.height) {
-        let message = format!(
-            "gave an image of {}x{} pixels instead of {}x{}",
-            image.width, image.height, request.width, request.height
-        );
+        let message = wrong_size((image.width, image.height), (request.width, request.height));
         return Err(no_image(driver, message, &log));
     }
     Ok(Rendered {
@@ -93,7 +107,82 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
         samples_done,
         executable,
         log_path: log,
+        facts,
     })
+}
+
+/// What is wrong with an image that is not as large as the scene says.
+pub(super) fn wrong_size(found: (usize, usize), wanted: (usize, usize)) -> String {
+    format!("gave an image of {}x{} pixels instead of {}x{}", found.0, found.1, wanted.0, wanted.1)
+}
+
+/// The time of the runs, and what their output says of it.
+struct Watch {
+    samples: u64,
+    /// When the first run began, and this one.
+    start: Instant,
+    run: Instant,
+    /// Runs up to now, this one included, and how many there will be.
+    runs: usize,
+    expected: usize,
+    /// Rendering time of all runs before this one, and of this one as far as it is known.
+    took: f64,
+    said: Option<f64>,
+    /// When this run had loaded the scene.
+    loaded: Option<Instant>,
+    /// The samples and the time that were told last.
+    told: Option<(u64, Instant)>,
+}
+
+/// The shortest time between two pieces of news: some programs write hundreds of lines in it.
+const NEWS: Duration = Duration::from_millis(100);
+
+impl Watch {
+    fn new(samples: u64) -> Self {
+        let start = Instant::now();
+        Self { samples, start, run: start, runs: 0, expected: 1, took: 0.0, said: None, loaded: None, told: None }
+    }
+
+    fn begin(&mut self, expected: usize) {
+        self.runs += 1;
+        self.expected = expected.max(self.runs);
+        (self.run, self.said, self.loaded) = (Instant::now(), None, None);
+    }
+
+    /// Ends a run; a program that does not tell its time took all of it, or all since it had loaded the scene.
+    fn end(&mut self) {
+        let measured = self.loaded.unwrap_or(self.run).elapsed().as_secs_f64();
+        self.took += self.said.unwrap_or(measured);
+    }
+
+    fn take(&mut self, said: Said, progress: &mut dyn FnMut(Progress)) {
+        let part = match said {
+            Said::Took(seconds) => {
+                self.said = Some(seconds);
+                1.0
+            }
+            Said::Part(part) => part.clamp(0.0, 1.0),
+        };
+        let now = Instant::now();
+        if self.loaded.is_none() {
+            self.loaded = Some(now);
+            if self.runs == 1 {
+                progress(Progress::Loaded { seconds: (now - self.run).as_secs_f64() });
+            }
+        }
+        let share = ((self.runs - 1) as f64 + part) / self.expected as f64;
+        let done = (share * self.samples as f64) as u64;
+        let news = match self.told {
+            // More runs than were expected make the share smaller.
+            Some((before, when)) => done > before && (now - when >= NEWS || done == self.samples),
+            None => true,
+        };
+        if news {
+            self.told = Some((done, now));
+            let seconds = (now - self.start).as_secs_f64();
+            progress(Progress::Samples { done, total: self.samples, seconds });
+        }
+    }
 }
 
 /// Turns every end but a good one into an error.
@@ -223,3 +312,7 @@ impl Gathered {
 #[cfg(all(test, unix))]
 #[path = "render_tests.rs"]
 mod tests;
+
+#[cfg(all(test, unix))]
+#[path = "program_tests.rs"]
+mod programs;

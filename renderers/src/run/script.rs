@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use crate::install::LOCK;
 
-use super::process::{End, Lines, Patience, run, tail};
+use super::process::{End, Lines, Patience, begin, run, tail};
 use super::{Delivery, Job, Plan, RenderError};
 
 /// Stands in front of every script.
@@ -101,7 +101,8 @@ pub(crate) fn ask(
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
     let log = folder.path().join("log");
     command.current_dir(folder.path());
+    begin(&log).map_err(|error| error.to_string())?;
     let patience = Patience { timeout: Some(PROBE_TIME), cancel: None };
     let end = run(command, &log, lines, patience, on_line).map_err(|error| format!("it does not start: {error}"))?;
-    Ok((end, tail(&log, super::error::TAIL)))
+    Ok((end, tail(&log, super::error::CAUSES)))
 }

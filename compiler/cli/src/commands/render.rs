@@ -1,5 +1,6 @@
 //! `ltsc render`: a scene through a real renderer to an EXR that says how it came to be.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -51,9 +52,11 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
     write_exr(&command.output, &rendered.image, &provenance)
         .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))?;
     if command.findings.format == Format::Json {
+        let facts: BTreeMap<&str, &str> =
+            rendered.facts.iter().map(|(name, value)| (name.as_str(), value.as_str())).collect();
         let document = json!({
             "image": command.output, "log": log, "renderer": driver.name, "renderer_version": rendered.renderer_version,
-            "samples": rendered.samples_done, "non_finite_pixels": rendered.image.non_finite(), "seconds": rendered.seconds, "scene_hash": scene.hash,
+            "samples": rendered.samples_done, "facts": facts, "non_finite_pixels": rendered.image.non_finite(), "seconds": rendered.seconds, "scene_hash": scene.hash,
         });
         terminal::print(&format!("{document:#}\n"));
     } else {
@@ -178,7 +181,9 @@ fn watch(request: &RenderRequest, scene: &One) -> Result<Rendered, Failure> {
 fn failure(error: &RenderError) -> Failure {
     let mut message = error.to_string();
     if !error.tail().is_empty() {
-        message.push_str("\nthe end of its log:");
+        let head = if matches!(error, RenderError::NotFound { .. }) { "looked at:" } else { "the end of its log:" };
+        message.push('\n');
+        message.push_str(head);
         for line in error.tail() {
             message.push_str("\n    ");
             message.push_str(line);
@@ -201,6 +206,6 @@ fn provenance(command: &Render, driver: &Driver, scene: &One, rendered: &Rendere
         samples: rendered.samples_done,
         seed: u64::from(scene.scene.sampler.seed()),
         seconds: rendered.seconds,
-        extra: camera.collect(),
+        extra: camera.chain(rendered.facts.iter().cloned()).collect(),
     }
 }

@@ -3,11 +3,12 @@
 use ltsc_render::cache::CachePaths;
 use ltsc_render::env::Env;
 use ltsc_render::install::{InstallProgress, InstallRequest, Status, Step, install, status, uninstall};
-use ltsc_render::run::DRIVERS;
+use ltsc_render::run::{DRIVERS, Driver, Installation, Search, find};
 use serde_json::json;
 
 use crate::args::{Format, Renderers, RenderersAction};
 use crate::output::{Exit, Failure};
+use crate::project::Project;
 use crate::terminal::{self, Bar};
 
 use super::render::find_driver;
@@ -24,27 +25,39 @@ fn list(format: Format) -> Result<Exit, Failure> {
     let cache = CachePaths::find(&env);
     let mut rows = Vec::new();
     let mut text = String::new();
+    // What the project names comes before what there is without it.
+    let named = Project::here().map(|project| project.executables).unwrap_or_default();
     for driver in DRIVERS {
-        let status = status(driver, cache.as_ref(), &env);
-        let (word, version, path) = match &status {
-            Status::NotInstalled => ("not installed", "", None),
-            Status::Partial { folder } => ("incomplete", "", Some(folder)),
-            Status::Installed { path, version } => ("installed", version.as_str(), Some(path)),
-            Status::External { path, version } => ("found", version.as_str(), Some(path)),
+        let (word, version, path, detail) = match named.get(driver.name) {
+            Some(path) => {
+                let search = Search { env: &env, cache: cache.as_ref(), given: None, configured: Some(path) };
+                match find(driver, &search) {
+                    Ok(found) => ("configured", found.version, Some(found.path), String::new()),
+                    Err(error) => ("not working", String::new(), Some(path.clone()), error.tail().join("; ")),
+                }
+            }
+            None => match status(driver, cache.as_ref(), &env) {
+                Status::NotInstalled => ("not installed", String::new(), None, advice(driver)),
+                Status::Partial { folder } => (
+                    "incomplete",
+                    String::new(),
+                    Some(folder),
+                    format!("ltsc renderers install {} continues", driver.name),
+                ),
+                Status::Installed { path, version } => ("installed", version, Some(path), String::new()),
+                Status::External { path, version } => ("found", version, Some(path), String::new()),
+            },
         };
         rows.push(json!({
             "name": driver.name, "summary": driver.summary, "target": driver.target, "pinned_version": driver.version,
-            "status": word, "version": version, "path": path,
+            "installable": installable(driver), "status": word, "version": version, "path": path,
         }));
-        let detail = match &status {
-            Status::NotInstalled => format!("ltsc renderers install {}", driver.name),
-            Status::Partial { .. } => format!("ltsc renderers install {} continues", driver.name),
-            Status::Installed { path, .. } | Status::External { path, .. } => path.display().to_string(),
-        };
+        let shown = path.filter(|_| detail.is_empty()).map_or(detail, |path| path.display().to_string());
         let name = terminal::strong(&format!("{:<12}", driver.name), true);
-        text.push_str(&format!("{name} {word:<14} {version:<10} {detail}\n"));
+        text.push_str(&format!("{name} {word:<14} {version:<10} {shown}\n"));
+        let which = if installable(driver) { "pinned version" } else { "version" };
         text.push_str(&format!(
-            "{:<12} {}; reads target {}, pinned version {}\n",
+            "{:<12} {}; reads target {}, {which} {}\n",
             "", driver.summary, driver.target, driver.version
         ));
     }
@@ -54,6 +67,20 @@ fn list(format: Format) -> Result<Exit, Failure> {
         terminal::print(&text);
     }
     Ok(Exit::Done)
+}
+
+fn installable(driver: &Driver) -> bool {
+    !matches!(driver.installation, Installation::User { .. })
+}
+
+/// How to come by a renderer, in a few words.
+fn advice(driver: &Driver) -> String {
+    match &driver.installation {
+        Installation::Python(_) | Installation::Cargo(_) => format!("ltsc renderers install {}", driver.name),
+        Installation::User { source } => {
+            format!("by its executable (--executable, ltsc.toml, PATH), built from {source}")
+        }
+    }
 }
 
 fn install_all(names: &[String], force: bool) -> Result<Exit, Failure> {
@@ -83,6 +110,8 @@ fn install_all(names: &[String], force: bool) -> Result<Exit, Failure> {
                     Step::Python => "looking for a Python",
                     Step::Environment => "making a private Python environment",
                     Step::Packages => "downloading and unpacking packages",
+                    Step::Cargo => "looking for a cargo",
+                    Step::Build => "downloading and building its sources",
                     Step::Verification => "rendering a test image",
                 };
                 bar.say(&format!("{}: {words}", driver.name));

@@ -1,0 +1,194 @@
+//! What the drivers of PBRT and of rs_pbrt have in common: settings, and how programs tell their version.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use super::process::{End, Lines};
+use super::{Job, RenderError, emitted, script};
+
+/// Directives that count samples, each with what else counts them there; the number of the request goes into all.
+const COUNTS: [(&str, &str); 4] = [
+    ("Sampler", "pixelsamples"),
+    ("Integrator", "mutationsperpixel"),
+    // v4 and v3, in this order.
+    ("Integrator", "iterations"),
+    ("Integrator", "numiterations"),
+];
+
+/// Asks a PBRT for its major version and the rest of that line. Both versions say it when they render and not when they
+/// are asked for help (`main/pbrt.cpp`, `cmd/pbrt.cpp`), so they are given a scene of nothing.
+pub(super) fn banner(executable: &Path) -> Result<(u32, String), String> {
+    let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
+    let scene = folder.path().join("nothing.pbrt");
+    std::fs::write(&scene, "# Nothing.\n").map_err(|error| error.to_string())?;
+    let mut command = Command::new(executable);
+    command.arg(&scene);
+    let mut version = None;
+    let (end, tail) = script::ask(command, Lines::All, &mut |line| {
+        // "pbrt version 3 (built Nov 26 2026 at 12:00:00) [Detected 2 cores]"
+        if let Some(rest) = line.trim().strip_prefix("pbrt version ") {
+            version = version.take().or_else(|| Some(rest.to_owned()));
+        }
+    })?;
+    match (end, version) {
+        (End::TimedOut | End::Cancelled, _) => Err("it does not answer".to_owned()),
+        // Version 4 misses a world in nothing and ends with an error.
+        (End::Exited(_), Some(text)) => {
+            let digits = text.bytes().take_while(u8::is_ascii_digit).count();
+            let major = text[..digits].parse().map_err(|_| format!("it says version `{text}`"))?;
+            Ok((major, text.split(" [").next().unwrap_or_default().to_owned()))
+        }
+        (End::Exited(_), None) => {
+            Err(format!("it does not say `pbrt version`: {}", tail.first().map_or("it says nothing", String::as_str)))
+        }
+    }
+}
+
+/// The version of a PBRT that must be `major`.
+pub(super) fn version(executable: &Path, major: u32) -> Result<String, String> {
+    let (found, text) = banner(executable)?;
+    if found == major {
+        return Ok(text);
+    }
+    let other = match found {
+        3 | 4 => format!("; name it for `pbrt-v{found}`"),
+        _ => String::new(),
+    };
+    Err(format!("it is version {found}, and this reads the files of version {major}{other}"))
+}
+
+/// Refuses a seed, for renderers that have none.
+pub(super) fn no_seed(job: &Job<'_>, renderer: &str) -> Result<(), RenderError> {
+    if job.request.seed == 0 {
+        return Ok(());
+    }
+    Err(RenderError::Request {
+        message: format!(
+            "{renderer} has no seed: it takes the same random numbers every time, and not those of seed {}",
+            job.request.seed
+        ),
+        hint: "leave the seed at 0, and take images that are independent of each other from another renderer"
+            .to_owned(),
+    })
+}
+
+/// The files of the emitted folder in which the samples of the request are not yet said, as they should be.
+pub(super) fn samples(job: &Job<'_>) -> Result<Vec<(PathBuf, String)>, RenderError> {
+    let mut changed = Vec::new();
+    let mut found = false;
+    for (path, text) in emitted::texts(job.folder, "pbrt") {
+        let mut new = text.clone();
+        for (directive, name) in COUNTS {
+            if let Some((start, end)) = value_of(&new, directive, name) {
+                found = true;
+                new.replace_range(start..end, &job.request.samples.to_string());
+            }
+        }
+        if new != text {
+            changed.push((path, new));
+        }
+    }
+    if found {
+        return Ok(changed);
+    }
+    Err(RenderError::Request {
+        message: format!("no file beside `{}` has a `Sampler` with `\"integer pixelsamples\" [N]`", job.main.display()),
+        hint: format!("emit the scene for the target `{}` again", job.request.driver.target),
+    })
+}
+
+/// The film of a scene, to which a parameter can be given.
+pub(super) struct Film {
+    path: PathBuf,
+    head: String,
+    rest: String,
+    parameter: &'static str,
+}
+
+impl Film {
+    /// The one film of the emitted folder, whose files may have been changed.
+    pub(super) fn find(
+        job: &Job<'_>,
+        changed: &[(PathBuf, String)],
+        parameter: &'static str,
+    ) -> Result<Self, RenderError> {
+        let refuse = |message: String| RenderError::Request {
+            message,
+            hint: format!("emit the scene for the target `{}` again", job.request.driver.target),
+        };
+        let mut films = emitted::texts(job.folder, "pbrt").filter_map(|(path, text)| {
+            let text = changed.iter().find(|(file, _)| *file == path).map_or(text, |(_, text)| text.clone());
+            let (_, end) = directive(&text, "Film")?;
+            Some((path, text, end))
+        });
+        let (Some((path, text, end)), None) = (films.next(), films.next()) else {
+            return Err(refuse(format!(
+                "not one file beside `{}` has a `Film`, but none or several",
+                job.main.display()
+            )));
+        };
+        if text.contains(&format!("\"float {parameter}\"")) {
+            return Err(refuse(format!("`{}` sets `{parameter}` itself", path.display())));
+        }
+        Ok(Self { path, head: text[..end].to_owned(), rest: text[end..].to_owned(), parameter })
+    }
+
+    /// The file of the film and its text with this value; numbers are written without exponent.
+    pub(super) fn with(&self, value: f32) -> (PathBuf, String) {
+        let Self { path, head, rest, parameter } = self;
+        (path.clone(), format!("{head} \"float {parameter}\" [{value}]{rest}"))
+    }
+}
+
+/// Where the directive at the start of a line begins, and where its type ends, behind the quote.
+fn directive(text: &str, name: &str) -> Option<(usize, usize)> {
+    let mut at = 0;
+    for line in text.split_inclusive('\n') {
+        let indent = line.len() - line.trim_start().len();
+        if let Some(rest) = line.trim_start().strip_prefix(name)
+            && let Some((between, kind)) = rest.split_once('"')
+            && between.trim().is_empty()
+            && let Some(length) = kind.find('"')
+        {
+            let start = at + indent;
+            return Some((start, start + name.len() + between.len() + length + 2));
+        }
+        at += line.len();
+    }
+    None
+}
+
+/// Where the number of an integer parameter of a directive stands.
+fn value_of(text: &str, name: &str, parameter: &str) -> Option<(usize, usize)> {
+    let (start, _) = directive(text, name)?;
+    // Parameters end where the next directive begins; none of those has a parameter of this name.
+    let from = start + text[start..].find(&format!("\"integer {parameter}\""))?;
+    let open = from + text[from..].find('[')? + 1;
+    let close = open + text[open..].find(']')?;
+    let number = text[open..close].trim();
+    let offset = open + text[open..close].find(number)?;
+    number.parse::<u32>().ok().map(|_| (offset, offset + number.len()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "# Film \"none\"\nFilm \"image\" \"integer xresolution\" [8]\n  Sampler  \"random\"\n\t\"integer \
+                        pixelsamples\" [ 32 ]\nIntegrator \"mlt\" \"integer mutationsperpixel\" [64]\n";
+
+    #[test]
+    fn directives_and_their_numbers_are_found() {
+        let (start, end) = directive(TEXT, "Film").expect("a film");
+        assert_eq!(&TEXT[start..end], "Film \"image\"");
+        let (start, end) = directive(TEXT, "Sampler").expect("a sampler");
+        assert_eq!(&TEXT[start..end], "Sampler  \"random\"");
+        let at = |directive: &str, name: &str| value_of(TEXT, directive, name).map(|(start, end)| &TEXT[start..end]);
+        assert_eq!(at("Sampler", "pixelsamples"), Some("32"));
+        assert_eq!(at("Integrator", "mutationsperpixel"), Some("64"));
+        assert_eq!(at("Integrator", "iterations"), None);
+        assert_eq!(at("Camera", "pixelsamples"), None);
+        assert_eq!(directive("Filmless \"a\"", "Film"), None);
+        assert_eq!(value_of("Sampler \"a\" \"integer n\" [x]", "Sampler", "n"), None);
+    }
+}
