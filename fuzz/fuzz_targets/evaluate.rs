@@ -5,7 +5,7 @@ use libfuzzer_sys::fuzz_target;
 use ltsc_core::diag::{Severity, Sources};
 use ltsc_core::eval::{Limits, Overrides};
 use ltsc_core::files::{MemoryFiles, MemorySink, VPath};
-use ltsc_core::formats::TARGETS;
+use ltsc_core::formats::{Choices, TARGETS};
 use ltsc_core::ledger::Ledger;
 use ltsc_core::pipeline::{Options, camera, check, emit_alone, prepare};
 
@@ -33,6 +33,6 @@ fuzz_target!(|text: &str| {
     }
     let camera = camera(&scene, None).expect("a valid scene has a camera");
     for target in TARGETS {
-        emit_alone(&scene, camera, target, &Ledger::of(&scene, target, &[]), &mut MemorySink::default()).expect("memory takes everything");
+        emit_alone(&scene, camera, target, &Ledger::of(&scene, target, &[]), &Choices::default(), &mut MemorySink::default()).expect("memory takes everything");
     }
 });

@@ -5,7 +5,7 @@ use std::process::Command;
 
 use serde_json::Value;
 
-use super::{root, scenes, skip};
+use super::{ltsc, root, run, scenes, skip};
 
 /// The folder `node_modules` with the package `gltf-validator`.
 fn modules() -> Option<PathBuf> {
@@ -68,4 +68,68 @@ fn generated_gltf_and_glb_have_no_error_and_no_warning() {
         assert_eq!(what(&pair[0]), what(&pair[1]), "{}", files[0].display());
         assert!(pair[0]["info"]["totalTriangleCount"].as_u64().expect("a count") > 0);
     }
+}
+
+/// The validator does not know EXT_mesh_gpu_instancing, which it says as a remark, and sees what else there is.
+#[test]
+fn instances_in_the_buffer_have_no_error_and_no_warning() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = "cboxm_diffuse_lvar";
+    let files = ["gltf", "glb"].map(|form| {
+        let out = folder.path().join(form);
+        let ran = run(ltsc()
+            .args(["emit", &format!("scenes-src/{scene}.lts"), "--target", form])
+            .args(["--option", &format!("{form}.instancing"), "-o"])
+            .arg(&out));
+        assert_eq!(ran.code, Some(0), "{}", ran.err);
+        out.join(format!("{scene}.{form}"))
+    });
+    let text = std::fs::read(&files[0]).expect("a file");
+    let document: Value = serde_json::from_slice(&text).expect("JSON");
+    let nodes = document["nodes"].as_array().expect("nodes");
+    let names = |node: &Value| node["extras"]["names"].as_array().map_or(1, Vec::len);
+    let uses: usize = nodes.iter().filter(|node| node["mesh"].is_u64()).map(names).sum();
+    let plain = root().join(format!("generated/{scene}/gltf/{scene}.gltf"));
+    let plain: Value = serde_json::from_slice(&std::fs::read(plain).expect("a file")).expect("JSON");
+    let before = plain["nodes"].as_array().expect("nodes").iter().filter(|node| node["mesh"].is_u64()).count();
+    assert_eq!(uses, before);
+    assert!(nodes.len() * 20 < before, "{} nodes stand for {before}", nodes.len());
+    let Some(reports) = reports("gltf with instances", &files) else { return };
+    for (report, file) in reports.iter().zip(&files) {
+        has_no_issue(file, report);
+        let used = report["info"]["extensionsUsed"].as_array().expect("extensions");
+        assert!(used.contains(&"EXT_mesh_gpu_instancing".into()), "{used:?}");
+    }
+}
+
+#[test]
+fn options_of_targets_are_asked_for_by_name() {
+    let out = tempfile::tempdir().expect("a folder");
+    let emit = |target: &str, option: &str| {
+        let mut command = ltsc();
+        command.args(["emit", "scenes-src/ring.lts", "--target", target, "--option", option, "-o"]);
+        run(command.arg(out.path().join(target)))
+    };
+    let wrong = emit("gltf", "gltf.instances");
+    assert_eq!(wrong.code, Some(2), "{}", wrong.err);
+    assert!(wrong.err.contains("did you mean `gltf.instancing`?"), "{}", wrong.err);
+    let other = emit("gltf", "glb.instancing");
+    assert_eq!(other.code, Some(2), "{}", other.err);
+    assert!(other.err.contains("one of `glb`, which is not written"), "{}", other.err);
+
+    let project = out.path().join("ltsc.toml");
+    let lint = || run(ltsc().arg("lint").current_dir(out.path()));
+    std::fs::create_dir(out.path().join("scenes-src")).expect("a folder");
+    let text = "lts 1\nscene a {}\ncamera = perspective(eye: (0, -9, 2), target: (0, 0, 0), fov_x: 45deg)\n\
+                film = image(16, 16)\nintegrator = path(max_depth: 3)\nsampler = independent(samples: 4)\n\
+                shape a = box(size: 1) with diffuse(0.5)\n\
+                emitter lamp = rectangle(x: -1..1, y: -1..1, z: 3, normal: -Z) with radiance(3)\n";
+    std::fs::write(out.path().join("scenes-src/a.lts"), text).expect("a write");
+    std::fs::write(&project, "options = [\"glb.instance\"]\n").expect("a write");
+    let ran = lint();
+    assert_eq!(ran.code, Some(3), "{}", ran.err);
+    assert!(ran.err.contains("`options`: there is no option `glb.instance`"), "{}", ran.err);
+    std::fs::write(&project, "options = [\"glb.instancing\"]\n").expect("a write");
+    let ran = lint();
+    assert_eq!(ran.code, Some(0), "{}{}", ran.out, ran.err);
 }

@@ -1,5 +1,6 @@
 //! Tests of the whole: the house itself, the binary as people use it, and real renderers.
 
+mod blender;
 mod cases;
 mod cli;
 mod fixes;
@@ -21,6 +22,11 @@ mod tidy;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+
+use ltsc_render::cache::CachePaths;
+use ltsc_render::env::Env;
+use ltsc_render::install::{Status, status};
+use ltsc_render::run::driver;
 
 /// The folder of the project.
 fn root() -> &'static Path {
@@ -56,6 +62,16 @@ fn skip(test: &str, lacks: &str) {
     // The print macros are captured by the harness.
     let _written = writeln!(std::io::stderr(), "skipped: {test} (needs {lacks})");
     assert!(std::env::var_os("LTSC_REQUIRE_ALL").is_none_or(|value| value != "1"), "{test} needs {lacks}");
+}
+
+/// The Python of a private installation of a renderer.
+fn python(renderer: &str) -> Option<PathBuf> {
+    let env = Env::of_process();
+    let driver = driver(renderer).expect("a driver");
+    match status(driver, CachePaths::find(&env).as_ref(), &env) {
+        Status::Installed { path, .. } => Some(path),
+        Status::External { .. } | Status::Partial { .. } | Status::NotInstalled => None,
+    }
 }
 
 /// The thesis's own scenes, where they are beside the checkout.

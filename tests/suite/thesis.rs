@@ -5,13 +5,9 @@
 use std::path::Path;
 use std::process::Command;
 
-use ltsc_render::cache::CachePaths;
-use ltsc_render::env::Env;
 use ltsc_render::image::{Image, read};
-use ltsc_render::install::{Status, status};
-use ltsc_render::run::driver;
 
-use super::{corpus, root, skip};
+use super::{corpus, python, root, skip};
 
 /// Scene, samples of each image, and whether it takes part in every run. With `LTSC_THOROUGH=1` all do, with 256 samples:
 /// then the means tell differences of 0.5 % (a quarter of an hour on two cores).
@@ -55,16 +51,6 @@ for seed in range(seeds):
     bitmap.write(f'{out}{seed}.exr')
 ";
 
-/// The Python that has Mitsuba 3.
-fn python() -> Option<std::path::PathBuf> {
-    let env = Env::of_process();
-    let driver = driver("mitsuba-3").expect("a driver");
-    match status(driver, CachePaths::find(&env).as_ref(), &env) {
-        Status::Installed { path, .. } => Some(path),
-        Status::External { .. } | Status::Partial { .. } | Status::NotInstalled => None,
-    }
-}
-
 fn rendered(python: &Path, folder: &Path, samples: u32, first: usize, out: &Path) -> Vec<Image> {
     let output = Command::new(python)
         .args(["-c", SCRIPT])
@@ -102,7 +88,9 @@ fn variance(values: &[f64]) -> f64 {
 
 #[test]
 fn our_scenes_are_those_of_the_thesis() {
-    let Some(python) = python() else { return skip("the thesis's scenes", "`ltsc renderers install mitsuba-3`") };
+    let Some(python) = python("mitsuba-3") else {
+        return skip("the thesis's scenes", "`ltsc renderers install mitsuba-3`");
+    };
     let Some(corpus) = corpus() else { return skip("the thesis's scenes", "../shared/corpus/lteval") };
     let folder = tempfile::tempdir().expect("a folder");
     let thorough = std::env::var_os("LTSC_THOROUGH").is_some_and(|value| value == "1");

@@ -89,7 +89,7 @@ pub enum Command {
     ///
     /// Without SCENE every scene of the project, as `build` does, for this target only.
     #[command(
-        after_help = "Examples:\n  ltsc emit scenes-src/ring.lts --target pbrt\n  ltsc emit ring.lts --target glb -o /tmp/ring --width 128 --height 128\n  ltsc emit --target mitsuba-3"
+        after_help = "Examples:\n  ltsc emit scenes-src/ring.lts --target pbrt\n  ltsc emit ring.lts --target glb -o /tmp/ring --width 128 --height 128\n  ltsc emit ring.lts --target glb --option glb.instancing\n  ltsc emit --target mitsuba-3"
     )]
     Emit(Emit),
     /// Render a scene with a real renderer to a linear 32-bit EXR.
@@ -201,6 +201,9 @@ pub struct Build {
     /// Only these targets [default: those of ltsc.toml, else all].
     #[arg(long, value_name = "TARGET", value_delimiter = ',')]
     pub target: Vec<String>,
+    /// Something that a target does only where it is asked for, as `gltf.instancing`; `ltsc explain --target NAME` lists them.
+    #[arg(long, value_name = "TARGET.OPTION", value_delimiter = ',')]
+    pub option: Vec<String>,
     /// Write below this folder [default: that of ltsc.toml, else `generated` beside the scenes].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
@@ -266,6 +269,9 @@ pub struct Emit {
     /// The target, for example `mitsuba`, `pbrt`, `gltf`.
     #[arg(long, value_name = "TARGET", required = true)]
     pub target: String,
+    /// Something that a target does only where it is asked for, as `gltf.instancing`; `ltsc explain --target NAME` lists them.
+    #[arg(long, value_name = "TARGET.OPTION", value_delimiter = ',')]
+    pub option: Vec<String>,
     /// The folder to write [default: `./<scene>-<target>`].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,

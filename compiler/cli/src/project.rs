@@ -5,7 +5,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use ltsc_core::eval::{Limit, Limits};
-use ltsc_core::formats::{self, TARGETS, Target};
+use ltsc_core::formats::{self, ChoiceError, Choices, TARGETS, Target};
 use ltsc_core::lint::{Level, LevelError, Levels};
 use serde::Deserialize;
 use toml::Spanned;
@@ -23,6 +23,8 @@ struct Text {
     scenes: Option<String>,
     generated: Option<String>,
     targets: Option<Vec<String>>,
+    #[serde(default)]
+    options: Vec<String>,
     #[serde(default)]
     rules: BTreeMap<Spanned<String>, Spanned<String>>,
     #[serde(default)]
@@ -57,6 +59,8 @@ pub struct Project {
     pub generated: PathBuf,
     /// For what they are generated.
     pub targets: Vec<&'static Target>,
+    /// What targets do only because it is asked for.
+    pub choices: Choices,
     /// Rule levels that differ from the built-in ones.
     pub levels: Levels,
     /// How large scenes may become.
@@ -83,6 +87,7 @@ impl Project {
             scenes: folder.to_path_buf(),
             generated: beside,
             targets: TARGETS.iter().collect(),
+            choices: Choices::default(),
             levels: Levels::default(),
             limits: Limits::default(),
             executables: BTreeMap::new(),
@@ -105,7 +110,7 @@ impl Project {
         let bad = |message: String| Failure::new(Exit::Input, format!("{}: {message}", file.display()));
         let text = fs::read_to_string(&file).map_err(|error| bad(error.to_string()))?;
         let here = |problem: Failure| Failure { help: problem.help, ..bad(problem.message) };
-        let Text { scenes, generated, targets, rules, limits: given, renderers } =
+        let Text { scenes, generated, targets, options, rules, limits: given, renderers } =
             toml::from_str(&text).map_err(|error| bad(error.to_string().trim_end().to_owned()))?;
         let inside = |key: &str, value: Option<String>, default: &str| {
             let value = value.unwrap_or_else(|| default.to_owned());
@@ -131,6 +136,12 @@ impl Project {
                 known
             }
         };
+        let mut choices = Choices::default();
+        for option in &options {
+            choices
+                .add(option)
+                .map_err(|ChoiceError { message, help }| bad(format!("`options`: {message}")).help(help))?;
+        }
         let levels = levels_of(&rules).map_err(|(at, problem)| {
             let before = text.get(..at).unwrap_or_default();
             let line = before.matches('\n').count() + 1;
@@ -162,10 +173,27 @@ impl Project {
             scenes: inside("scenes", scenes, "scenes-src")?,
             generated: inside("generated", generated, "generated")?,
             targets,
+            choices,
             levels,
             limits,
             executables,
         })
+    }
+
+    /// The choices with those of the command line, each of which must be one of a target that is written.
+    pub fn choices_with(&self, options: &[String], targets: &[&'static Target]) -> Result<Choices, Failure> {
+        let mut choices = self.choices.clone();
+        for option in options {
+            let wrong =
+                |ChoiceError { message, help }| Failure::new(Exit::Usage, format!("--option: {message}")).help(help);
+            let target = choices.add(option).map_err(wrong)?;
+            if !targets.iter().any(|written| written.name == target.name) {
+                let message = format!("--option: `{option}` is one of `{}`, which is not written", target.name);
+                return Err(Failure::new(Exit::Usage, message)
+                    .help(format!("leave it out, or write with `--target {}`", target.name)));
+            }
+        }
+        Ok(choices)
     }
 
     /// The levels with what the variables `LTSC_ALLOW`, `LTSC_WARN`, `LTSC_DENY` and, stronger, the command line say.

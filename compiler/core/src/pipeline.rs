@@ -7,7 +7,7 @@ use crate::diag::{FileId, Finding, Origin, Severity, Sources, Suppression};
 use crate::eval::{self, Allow, Evaluated, Overrides, SceneParameter};
 use crate::files::{Bytes, Files, Sink, VPath};
 use crate::fix;
-use crate::formats::{self, Emission, Target};
+use crate::formats::{self, Choices, Emission, Target};
 use crate::ir::{Camera, Documentation, Handle, Scene};
 use crate::ledger::{self, Ledger};
 use crate::lint::{self, Around, Levels, UnusedName};
@@ -191,6 +191,7 @@ pub fn emit_alone(
     camera: Handle<Camera>,
     target: &Target,
     ledger: &Ledger,
+    choices: &Choices,
     sink: &mut dyn Sink,
 ) -> io::Result<()> {
     if target.shares_meshes {
@@ -198,7 +199,7 @@ pub fn emit_alone(
         formats::write_textures(scene, "textures/", sink)?;
     }
     book(ledger, sink)?;
-    (target.emit)(&Emission { scene, camera, meshes: "meshes/", textures: "textures/" }, sink)
+    (target.emit)(&Emission { scene, camera, meshes: "meshes/", textures: "textures/", choices }, sink)
 }
 
 /// Writes the folder of one target beside the folders `meshes` and `textures` that targets share.
@@ -210,10 +211,11 @@ pub fn emit_shared(
     camera: Handle<Camera>,
     target: &Target,
     ledger: &Ledger,
+    choices: &Choices,
     sink: &mut dyn Sink,
 ) -> io::Result<()> {
     book(ledger, sink)?;
-    (target.emit)(&Emission { scene, camera, meshes: "../meshes/", textures: "../textures/" }, sink)
+    (target.emit)(&Emission { scene, camera, meshes: "../meshes/", textures: "../textures/", choices }, sink)
 }
 
 fn book(ledger: &Ledger, sink: &mut dyn Sink) -> io::Result<()> {

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use ltsc_core::diag::{Finding, Severity};
 use ltsc_core::eval::Overrides;
-use ltsc_core::formats::{self, Target};
+use ltsc_core::formats::{self, Choices, Target};
 use ltsc_core::ledger::Ledger;
 use ltsc_core::lint::Levels;
 use ltsc_core::pipeline;
@@ -85,6 +85,7 @@ fn build(
     let output = command.output.as_deref().unwrap_or(&project.generated);
     let checked = check(project, files, &command.findings, Overrides::default(), &[])?;
     let levels = project.levels_with(&command.findings)?;
+    let choices = project.choices_with(&command.option, targets)?;
     let (ready, mut more) = prepare(&checked, targets, &levels);
     for ready in &ready {
         more.extend(ready.remarks.iter().map(|finding| ready.file.located(finding.clone())));
@@ -117,7 +118,7 @@ fn build(
     let built: Vec<Result<Built, Failure>> = ready
         .par_iter()
         .map(|ready| {
-            let result = write(ready, targets, output, command);
+            let result = write(ready, targets, &choices, output, command);
             if let Ok(mut bar) = bar.lock() {
                 bar.1 += 1;
                 let done = bar.1;
@@ -179,7 +180,13 @@ fn twins(ready: &[Ready<'_>]) -> Option<(String, String, String)> {
     None
 }
 
-fn write(ready: &Ready<'_>, targets: &[&Target], output: &Path, command: &Build) -> Result<Built, Failure> {
+fn write(
+    ready: &Ready<'_>,
+    targets: &[&Target],
+    choices: &Choices,
+    output: &Path,
+    command: &Build,
+) -> Result<Built, Failure> {
     let scene = &ready.scene;
     let folder = output.join(&scene.name);
     let failed = |error: io::Error| unwritable(&folder, &error);
@@ -199,7 +206,7 @@ fn write(ready: &Ready<'_>, targets: &[&Target], output: &Path, command: &Build)
     }
     for (target, ledger) in targets.iter().zip(&ready.ledgers) {
         let mut inner = sink.below(target.name);
-        pipeline::emit_shared(scene, camera, target, ledger, &mut inner).map_err(failed)?;
+        pipeline::emit_shared(scene, camera, target, ledger, choices, &mut inner).map_err(failed)?;
     }
     let changes = sink.finish().map_err(failed)?;
     Ok(Built { name: scene.name.clone(), targets: targets.len(), changes })

@@ -23,11 +23,13 @@ pub fn run(command: &Emit) -> Result<Exit, Failure> {
     if exit != Exit::Done {
         return Ok(exit);
     }
+    let choices = scene.project.choices_with(&command.option, &[target])?;
     let name = format!("{}-{}", scene.scene.name, target.name);
     let folder = command.output.clone().unwrap_or_else(|| PathBuf::from(name));
     let failed = |error: std::io::Error| unwritable(&folder, &error);
     let mut sink = DiskSink::new(&folder, &scene.scene.name, false, command.force).map_err(failed)?;
-    pipeline::emit_alone(&scene.scene, scene.camera, target, &scene.ledger(target), &mut sink).map_err(failed)?;
+    pipeline::emit_alone(&scene.scene, scene.camera, target, &scene.ledger(target), &choices, &mut sink)
+        .map_err(failed)?;
     let changes = sink.finish().map_err(failed)?;
     if command.findings.format == Format::Human {
         let main = folder.join(target.main_file_of(&scene.scene.name));
@@ -48,6 +50,7 @@ fn all(command: &Emit) -> Result<Exit, Failure> {
         paths: Vec::new(),
         check: false,
         target: vec![command.target.clone()],
+        option: command.option.clone(),
         output: command.output.clone(),
         force: command.force,
         stats: false,

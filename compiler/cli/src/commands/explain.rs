@@ -95,6 +95,9 @@ fn explain_target(name: &str) -> Result<Exit, Failure> {
             rest.push_str(&wrapped(part, "    "));
         }
     }
+    for choice in target.choices {
+        rest.push_str(&format!("option: {}.{}\n{}", target.name, choice.name, wrapped(choice.summary, "    ")));
+    }
     let exact = wrapped(&exact.join(", "), "    ");
     terminal::print(&format!("{}\n{}\n\nexact:\n{exact}\n{converted}{rest}", target.name, target.summary));
     Ok(Exit::Done)

@@ -43,7 +43,8 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
     let unwritable =
         |error: std::io::Error| Failure::new(Exit::Environment, format!("{}: {error}", work.path().display()));
     let mut sink = DiskSink::new(work.path(), &scene.scene.name, false, false).map_err(unwritable)?;
-    pipeline::emit_alone(&scene.scene, scene.camera, target, &scene.ledger(target), &mut sink).map_err(unwritable)?;
+    pipeline::emit_alone(&scene.scene, scene.camera, target, &scene.ledger(target), &scene.project.choices, &mut sink)
+        .map_err(unwritable)?;
     sink.finish().map_err(unwritable)?;
     let request = request(command, driver, &scene, work.path());
     let log = request.log.clone();

@@ -6,7 +6,7 @@ use std::time::Instant;
 use ltsc_core::catalogue;
 use ltsc_core::eval::Overrides;
 use ltsc_core::files::Sink;
-use ltsc_core::formats::{self, Target};
+use ltsc_core::formats::{self, Choices, Target};
 use ltsc_core::ir::Scene;
 use ltsc_core::ledger::Ledger;
 use ltsc_core::pipeline;
@@ -71,7 +71,7 @@ pub fn run(command: &Build, only: &[&'static Target]) -> Result<Exit, Failure> {
                     break;
                 };
                 let counts = counts(&scene);
-                let (bytes, name) = emitted(scene, &columns)?;
+                let (bytes, name) = emitted(scene, &columns, &project.choices)?;
                 let seconds = start.elapsed().as_secs_f64();
                 if best.as_ref().is_none_or(|(least, _)| seconds < *least) {
                     let bytes: Vec<String> = bytes.into_iter().map(grouped).collect();
@@ -99,7 +99,7 @@ fn counts(scene: &Scene) -> String {
 }
 
 /// The bytes of the shared meshes and images, and of each target's own files, and the scene's name.
-fn emitted(scene: Scene, targets: &[&'static Target]) -> Result<(Vec<u64>, String), Failure> {
+fn emitted(scene: Scene, targets: &[&'static Target], choices: &Choices) -> Result<(Vec<u64>, String), Failure> {
     let name = scene.name.clone();
     let fault = |what: &str| Failure::new(Exit::Fault, format!("the scene `{name}` {what}"));
     let (scene, _) = pipeline::prepare(scene).map_err(|_| fault("is not valid: `ltsc build` says why"))?;
@@ -110,7 +110,7 @@ fn emitted(scene: Scene, targets: &[&'static Target]) -> Result<(Vec<u64>, Strin
     let mut bytes = vec![meshes.0];
     for target in targets {
         let mut own = Counter::default();
-        pipeline::emit_shared(&scene, camera, target, &Ledger::of(&scene, target, &[]), &mut own)
+        pipeline::emit_shared(&scene, camera, target, &Ledger::of(&scene, target, &[]), choices, &mut own)
             .map_err(|error| fault(&error.to_string()))?;
         bytes.push(own.0);
     }

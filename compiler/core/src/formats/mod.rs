@@ -1,5 +1,6 @@
 //! Targets: one folder per format, and the table of all.
 
+mod choices;
 pub mod cycles;
 pub mod gltf;
 pub mod luxcore;
@@ -8,6 +9,8 @@ pub mod pbrt;
 pub mod shared;
 
 use std::io;
+
+pub use choices::{Choice, ChoiceError, Choices, all as choices};
 
 use crate::capability::{Bound, Feature, Support};
 use crate::files::Sink;
@@ -33,6 +36,8 @@ pub struct Target {
     pub conversions: &'static [(Feature, &'static str)],
     /// How far off it is for one scene, where that can be computed for what it does not say exactly.
     pub bound: fn(Feature, &Scene) -> Option<Bound>,
+    /// What it does only where it is asked for.
+    pub choices: &'static [Choice],
     /// Writes all files of the scene but the shared meshes.
     pub emit: fn(&Emission<'_>, &mut dyn Sink) -> io::Result<()>,
 }
@@ -59,6 +64,8 @@ pub struct Emission<'a> {
     pub meshes: &'a str,
     /// The way to the folder of the shared images of textures, likewise.
     pub textures: &'a str,
+    /// What was asked for beyond what targets do anyway.
+    pub choices: &'a Choices,
 }
 
 /// All targets, in the order in which they are shown.

@@ -14,11 +14,21 @@ use crate::valid::validate;
 use shared::sample;
 
 pub(super) fn emitted(target: &str, scene: Scene) -> MemorySink {
+    emitted_with(target, scene, &[])
+}
+
+/// What is emitted with options.
+pub(super) fn emitted_with(target: &str, scene: Scene, options: &[&str]) -> MemorySink {
+    let mut choices = Choices::default();
+    for option in options {
+        choices.add(option).expect("an option");
+    }
     let target = find(target).expect("a target");
     let scene = validate(scene).expect("a valid scene");
     let (camera, _) = scene.cameras.iter().next().expect("a camera");
     let mut sink = MemorySink::default();
-    let emission = Emission { scene: &scene, camera, meshes: "../meshes/", textures: "../textures/" };
+    let emission =
+        Emission { scene: &scene, camera, meshes: "../meshes/", textures: "../textures/", choices: &choices };
     (target.emit)(&emission, &mut sink).expect("memory takes all");
     sink
 }

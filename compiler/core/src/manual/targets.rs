@@ -1,7 +1,7 @@
 //! The page of targets: what each answers to every feature.
 
 use crate::capability::{Feature, Support};
-use crate::formats::{TARGETS, Target};
+use crate::formats::{Choice, TARGETS, Target};
 
 use super::{MADE, anchor, capital, cell};
 
@@ -78,6 +78,12 @@ fn section(target: &Target) -> String {
     for (title, list) in [("Exactly, with other numbers", converted), ("Nearly", nearly), ("Not at all", dropped)] {
         if !list.is_empty() {
             text.push_str(&format!("\n**{title}**\n\n{list}"));
+        }
+    }
+    if !target.choices.is_empty() {
+        text.push_str("\n**Only where it is asked for**, by `--option` or in `options` of `ltsc.toml`\n\n");
+        for Choice { name, summary } in target.choices {
+            text.push_str(&format!("- `{}.{name}`: {summary}.\n", target.name));
         }
     }
     text

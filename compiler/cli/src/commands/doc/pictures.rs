@@ -8,6 +8,7 @@ use std::time::Duration;
 use ltsc_core::capability::{Support, algorithm};
 use ltsc_core::catalogue::Pictures;
 use ltsc_core::eval::Overrides;
+use ltsc_core::formats::Choices;
 use ltsc_core::ir::Scene;
 use ltsc_core::ledger::Ledger;
 use ltsc_core::pipeline;
@@ -121,7 +122,8 @@ fn one(
         let camera = pipeline::camera(&small, None)
             .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
         let mut sink = DiskSink::new(work.path(), &small.name, false, false).map_err(failed)?;
-        pipeline::emit_alone(&small, camera, target, &Ledger::of(&small, target, &[]), &mut sink).map_err(failed)?;
+        pipeline::emit_alone(&small, camera, target, &Ledger::of(&small, target, &[]), &Choices::default(), &mut sink)
+            .map_err(failed)?;
         sink.finish().map_err(failed)?;
         let env = Env::of_process();
         let cache = CachePaths::find(&env);

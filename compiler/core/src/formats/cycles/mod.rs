@@ -18,6 +18,7 @@ pub const CYCLES: Target = Target {
     supports,
     conversions: conversions::CONVERSIONS,
     bound: conversions::bound,
+    choices: &[],
     emit: emit::emit,
 };
 

@@ -16,6 +16,8 @@ enum Part<'a> {
     Mesh { mesh: &'a Mesh, map: Option<Affine> },
     /// A file, padded to a multiple of four bytes.
     File(&'a [u8]),
+    /// Numbers.
+    Floats(Vec<f32>),
 }
 
 /// Where a mesh lies: indices of accessors.
@@ -53,6 +55,13 @@ impl<'a> Layout<'a> {
         Place { attributes: Attributes { position, normal, texcoord }, indices }
     }
 
+    /// Adds vectors; gives their accessor.
+    pub fn floats<const N: usize>(&mut self, items: Vec<[f32; N]>, r#type: &'static str) -> usize {
+        let accessor = self.push(items.len(), 4 * N, FLOAT, r#type, None);
+        self.parts.push(Part::Floats(items.into_flattened()));
+        accessor
+    }
+
     /// Adds a file; gives its buffer view.
     pub fn file(&mut self, bytes: &'a [u8]) -> usize {
         self.view(bytes.len(), None);
@@ -66,6 +75,7 @@ impl<'a> Layout<'a> {
         for part in &self.parts {
             match part {
                 Part::Mesh { mesh, map } => write_mesh(mesh, map.as_ref(), out)?,
+                Part::Floats(numbers) => rows(numbers.as_chunks::<1>().0, |number| number, out)?,
                 Part::File(bytes) => {
                     out.write_all(bytes)?;
                     out.write_all(&[0; 3][..pad(bytes.len())])?;

@@ -8,6 +8,8 @@ pub struct Document {
     pub asset: Asset,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub extensions_used: Vec<&'static str>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub extensions_required: Vec<&'static str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub extensions: Option<DocumentExtensions>,
     pub scene: usize,
@@ -60,10 +62,32 @@ pub struct Spot {
     pub outer_cone_angle: f64,
 }
 
-#[derive(Serialize)]
+#[derive(Default, Serialize)]
 pub struct NodeExtensions {
-    #[serde(rename = "KHR_lights_punctual")]
-    pub lights_punctual: LightIndex,
+    #[serde(rename = "KHR_lights_punctual", skip_serializing_if = "Option::is_none")]
+    pub lights_punctual: Option<LightIndex>,
+    #[serde(rename = "EXT_mesh_gpu_instancing", skip_serializing_if = "Option::is_none")]
+    pub instancing: Option<Instancing>,
+}
+
+#[derive(Serialize)]
+pub struct Instancing {
+    pub attributes: Placement,
+}
+
+#[derive(Serialize)]
+#[serde(rename_all = "UPPERCASE")]
+pub struct Placement {
+    pub translation: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotation: Option<usize>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scale: Option<usize>,
+}
+
+#[derive(Serialize)]
+pub struct Names {
+    pub names: Vec<String>,
 }
 
 #[derive(Serialize)]
@@ -141,6 +165,8 @@ pub struct Node {
     pub children: Vec<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub extensions: Option<NodeExtensions>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub extras: Option<Names>,
 }
 
 #[derive(Serialize)]

@@ -6,6 +6,7 @@ use std::io;
 use super::buffer::Layout;
 use super::container::Plan;
 use super::document as doc;
+use super::instancing;
 use super::names;
 use super::nodes::{Made, light};
 use crate::files::Sink;
@@ -14,6 +15,9 @@ use crate::formats::shared::names::file_stem;
 use crate::formats::shared::text::{self, Head};
 use crate::formats::{self, Emission};
 use crate::ir::{Affine, Axes, Camera, Film, Filter, Instance, Sampler, Scene, Texture};
+
+/// The choice of both targets by which instances become one node.
+pub const INSTANCING: &str = "instancing";
 
 /// Writes `NAME.gltf`, `NAME.bin` and the images.
 pub fn separate(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
@@ -78,17 +82,37 @@ fn document<'a>(emission: &Emission<'a>, form: &Form<'_>) -> (doc::Document, Lay
     let mut lights = Vec::new();
     for source in scene.lights.values() {
         if let Some((light, mut node)) = light(source) {
-            node.extensions = Some(doc::NodeExtensions { lights_punctual: doc::LightIndex { light: lights.len() } });
+            let index = doc::LightIndex { light: lights.len() };
+            node.extensions =
+                Some(doc::NodeExtensions { lights_punctual: Some(index), ..doc::NodeExtensions::default() });
             lights.push(light);
             nodes.push(node);
         }
     }
+    let Made { mut layout, meshes, materials, moved, .. } = made;
+    let (target, uri) = match form {
+        Form::Separate { stem } => ("gltf", Some(format!("{stem}.bin"))),
+        Form::Container => ("glb", None),
+    };
+    let mut comment = Head { scene: &scene.name, target }.to_string();
+    let mut required = Vec::new();
+    if emission.choices.has(target, INSTANCING) {
+        nodes = instancing::gather(nodes, &mut layout);
+        if moved > 0 {
+            comment.push_str(&format!(
+                "; instances have no shear: {moved} sheared uses of meshes have vertices of their own"
+            ));
+        }
+        if nodes.iter().any(|node| node.extensions.as_ref().is_some_and(|those| those.instancing.is_some())) {
+            required.push(instancing::NAME);
+        }
+    }
     nodes[0].children = (1..nodes.len()).collect();
 
-    let Made { mut layout, meshes, materials, .. } = made;
     let mut extensions: BTreeSet<_> = materials.iter().flat_map(|material| material.extensions.names()).collect();
     let lights = (!lights.is_empty()).then_some(doc::DocumentExtensions { lights_punctual: doc::Lights { lights } });
     extensions.extend(lights.iter().map(|_| "KHR_lights_punctual"));
+    extensions.extend(&required);
     let (mut images, mut uses) = (Vec::new(), Vec::new());
     for ((Texture { name, file: bytes, image, encoding: _ }, file), index) in textures(scene) {
         let place = match form {
@@ -100,12 +124,7 @@ fn document<'a>(emission: &Emission<'a>, form: &Form<'_>) -> (doc::Document, Lay
         images.push(doc::Image { name: name.clone(), place });
         uses.push(doc::Texture { name: name.clone(), sampler: 0, source: index });
     }
-    let (target, uri) = match form {
-        Form::Separate { stem } => ("gltf", Some(format!("{stem}.bin"))),
-        Form::Container => ("glb", None),
-    };
     let buffers = if layout.bytes == 0 { Vec::new() } else { vec![doc::Buffer { uri, byte_length: layout.bytes }] };
-    let head = Head { scene: &scene.name, target }.to_string();
     let sampler = doc::TextureSampler {
         mag_filter: names::LINEAR,
         min_filter: names::LINEAR,
@@ -120,9 +139,11 @@ fn document<'a>(emission: &Emission<'a>, form: &Form<'_>) -> (doc::Document, Lay
             version: "2.0",
             generator: "ltsc",
             copyright: scene.documentation.license.clone(),
-            extras: doc::Comment { comment: head },
+            extras: doc::Comment { comment },
         },
         extensions_used: extensions.into_iter().collect(),
+        // Who passes over it would see one instance of many.
+        extensions_required: required,
         extensions: lights,
         scene: 0,
         scenes: vec![doc::Scene { name: scene.name.clone(), nodes: vec![0], extras: settings(scene) }],

@@ -5,11 +5,12 @@ mod container;
 mod conversions;
 mod document;
 mod emit;
+mod instancing;
 pub mod names;
 mod nodes;
 mod surface;
 
-use super::Target;
+use super::{Choice, Target};
 use crate::capability::{Feature, Support};
 
 /// glTF 2.0 with a binary file beside it.
@@ -22,6 +23,11 @@ pub const GLTF: Target = Target {
     supports,
     conversions: conversions::CONVERSIONS,
     bound: conversions::bound,
+    choices: &[Choice {
+        name: emit::INSTANCING,
+        summary: "meshes and groups that are used more than once become instances of EXT_mesh_gpu_instancing, which readers \
+                  must know; sheared uses stay nodes",
+    }],
     emit: emit::separate,
 };
 

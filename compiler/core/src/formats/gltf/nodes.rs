@@ -21,6 +21,8 @@ pub struct Made<'a> {
     pub meshes: Vec<doc::Mesh>,
     known_meshes: BTreeMap<(usize, usize), usize>,
     known_groups: BTreeMap<usize, usize>,
+    /// Uses of meshes and groups whose vertices were moved, because no node can hold their map.
+    pub moved: usize,
 }
 
 impl<'a> Made<'a> {
@@ -41,6 +43,7 @@ impl<'a> Made<'a> {
             }));
             place(&mut node, transform);
         } else {
+            self.moved += 1;
             let primitive = self.primitive(scene, *handle, transform, material);
             node.mesh = Some(self.mesh(&mesh.name, vec![primitive]));
         }
@@ -60,6 +63,7 @@ impl<'a> Made<'a> {
             }));
             place(&mut node, transform);
         } else {
+            self.moved += 1;
             node.mesh = Some(self.group(scene, group, transform));
         }
         node

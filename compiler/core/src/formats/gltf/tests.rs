@@ -1,12 +1,12 @@
-//! The two forms of glTF are one document.
+//! The two forms of glTF are one document, and instances are where nodes are.
 
 use serde_json::Value;
 
 use crate::files::{MemorySink, Sink};
 use crate::formats::shared::sample;
 use crate::formats::surface_tests::{texture, textured};
-use crate::formats::tests::{emitted, lit, text};
-use crate::formats::{Emission, find};
+use crate::formats::tests::{emitted, emitted_with, lit, text};
+use crate::formats::{Choices, Emission, find};
 use crate::ir::{Encoding, ImageFile, ImageFormat, Scene};
 use crate::valid::validate;
 
@@ -110,9 +110,57 @@ impl Sink for Refusing {
 fn a_scene_of_four_gibibytes_is_refused_before_a_byte_is_written() {
     let scene = validate(huge()).expect("a valid scene");
     let (camera, _) = scene.cameras.iter().next().expect("a camera");
-    let emission = Emission { scene: &scene, camera, meshes: "../meshes/", textures: "../textures/" };
+    let choices = Choices::default();
+    let emission =
+        Emission { scene: &scene, camera, meshes: "../meshes/", textures: "../textures/", choices: &choices };
     let target = find("gltf-binary").expect("a target by its other name");
     let error = (target.emit)(&emission, &mut Refusing).expect_err("too large");
     assert_eq!(error.kind(), std::io::ErrorKind::FileTooLarge);
     assert!(error.to_string().contains("the target `gltf` has no such limit"), "{error}");
+}
+
+/// The numbers of an accessor of floats, `N` together.
+fn floats<const N: usize>(document: &Value, buffer: &[u8], accessor: &Value) -> Vec<[f32; N]> {
+    let accessor = &document["accessors"][accessor.as_u64().expect("an accessor") as usize];
+    let view = &document["bufferViews"][accessor["bufferView"].as_u64().expect("a view") as usize];
+    let [offset, length] = ["byteOffset", "byteLength"].map(|key| view[key].as_u64().expect("a number") as usize);
+    let kind = if N == 4 { "VEC4" } else { "VEC3" };
+    assert_eq!((&accessor["type"], &accessor["componentType"]), (&kind.into(), &5126.into()));
+    let bytes = &buffer[offset..offset + length];
+    let words = bytes.chunks_exact(4).map(|word| f32::from_le_bytes(word.try_into().expect("four bytes")));
+    let items: Vec<[f32; N]> = words.collect::<Vec<_>>().as_chunks().0.to_vec();
+    assert_eq!(accessor["count"], items.len());
+    items
+}
+
+#[test]
+fn instances_are_one_node_where_it_is_asked_for() {
+    let plain = emitted("glb", sample::grid());
+    let with = emitted_with("glb", sample::grid(), &["glb.instancing"]);
+    assert_eq!(emitted_with("glb", sample::grid(), &["gltf.instancing"]), plain, "the other form was asked for it");
+    let ((before, _), (document, buffer)) = (only(&plain), only(&with));
+    assert!(before["extensionsRequired"].is_null());
+    assert_eq!(document["extensionsRequired"], serde_json::json!(["EXT_mesh_gpu_instancing"]));
+    let used = document["extensionsUsed"].as_array().expect("extensions");
+    assert!(used.contains(&"EXT_mesh_gpu_instancing".into()));
+    let nodes = document["nodes"].as_array().expect("nodes");
+    // The root, the camera, the lamp, the pair twice in one, and the sheared one.
+    assert_eq!((before["nodes"].as_array().map(Vec::len), nodes.len()), (Some(6), 5));
+    assert_eq!(nodes[0]["children"], serde_json::json!([1, 2, 3, 4]));
+    let node = nodes.iter().find(|node| node["extensions"].is_object()).expect("instances");
+    assert_eq!(node["extras"]["names"], serde_json::json!(["pair[0]", "pair[1]"]));
+    assert!(node["matrix"].is_null() && node["translation"].is_null());
+    let attributes = &node["extensions"]["EXT_mesh_gpu_instancing"]["attributes"];
+    assert_eq!(floats::<3>(&document, buffer, &attributes["TRANSLATION"]), [[0.0; 3], [0.0, 0.0, 5.0]]);
+    let rotations = floats::<4>(&document, buffer, &attributes["ROTATION"]);
+    let half = std::f32::consts::FRAC_1_SQRT_2;
+    assert_eq!(rotations[0], [0.0, 0.0, 0.0, 1.0]);
+    assert!(rotations[1].iter().zip([0.0, 0.0, half, half]).all(|(a, b)| (a - b).abs() < 1e-7), "{rotations:?}");
+    assert!(attributes["SCALE"].is_null(), "all are 1");
+    let sheared = nodes.iter().find(|node| node["name"] == "pair[2]").expect("a node of its own");
+    assert_ne!(sheared["mesh"], node["mesh"]);
+    let comment = document["asset"]["extras"]["comment"].as_str().expect("a comment");
+    assert!(comment.contains("1 sheared uses"), "{comment}");
+    // A scene without a mesh that is used twice asks nothing of its readers.
+    assert_eq!(emitted_with("glb", sample::room(), &["glb.instancing"]), emitted("glb", sample::room()));
 }

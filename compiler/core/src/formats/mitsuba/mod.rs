@@ -19,6 +19,7 @@ pub const MITSUBA_3: Target = Target {
     supports: |feature| supports(Version::V3, feature),
     conversions: CONVERSIONS,
     bound: |_, _| None,
+    choices: &[],
     emit: |emission, sink| emit::emit(Version::V3, emission, sink),
 };
 
@@ -32,6 +33,7 @@ pub const MITSUBA_0_6: Target = Target {
     supports: |feature| supports(Version::V06, feature),
     conversions: CONVERSIONS,
     bound: |_, _| None,
+    choices: &[],
     emit: |emission, sink| emit::emit(Version::V06, emission, sink),
 };
 
@@ -45,6 +47,7 @@ pub const MITSUBA_0_5: Target = Target {
     supports: |feature| supports(Version::V05, feature),
     conversions: CONVERSIONS,
     bound: |_, _| None,
+    choices: &[],
     emit: |emission, sink| emit::emit(Version::V05, emission, sink),
 };
 

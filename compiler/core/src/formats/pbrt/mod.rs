@@ -19,6 +19,7 @@ pub const PBRT_V4: Target = Target {
     supports: supports_v4,
     conversions: conversions::V4,
     bound: bounds::of_correlation,
+    choices: &[],
     emit: |emission, sink| emit::emit(Version::V4, emission, sink),
 };
 
@@ -32,6 +33,7 @@ pub const PBRT_V3: Target = Target {
     supports: supports_v3,
     conversions: conversions::V3,
     bound: bounds::of_correlation,
+    choices: &[],
     emit: |emission, sink| emit::emit(Version::V3, emission, sink),
 };
 

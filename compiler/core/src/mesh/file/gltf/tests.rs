@@ -185,7 +185,9 @@ fn pictures_lie_inside_or_beside() {
 fn what_our_own_writer_writes_is_read_back() {
     let scene = crate::valid::validate(crate::formats::shared::sample::room()).expect("a valid scene");
     let (camera, _) = scene.cameras.iter().next().expect("a camera");
-    let emission = crate::formats::Emission { scene: &scene, camera, meshes: "meshes/", textures: "textures/" };
+    let choices = crate::formats::Choices::default();
+    let emission =
+        crate::formats::Emission { scene: &scene, camera, meshes: "meshes/", textures: "textures/", choices: &choices };
     for name in ["gltf", "glb"] {
         let mut sink = MemorySink::default();
         let target = crate::formats::find(name).expect("a target");
