@@ -4,15 +4,12 @@ use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use ltsc_core::diag::Sources;
-use ltsc_core::files::{Bytes, Files, ReadError, VPath};
 use ltsc_core::formats::shared::camera::fov_y;
-use ltsc_core::pipeline;
 use ltsc_core::survey::Survey;
 use ltsc_core::valid::Valid;
 use serde_json::Value;
 
-use super::{ltsc, python, root, run, scenes, skip};
+use super::{Disk, ltsc, prepared, python, root, run, scenes, skip};
 
 /// Prints a line of JSON for each file: what Blender has after the import. Instances count one by one.
 const SCRIPT: &str = "
@@ -68,23 +65,6 @@ emitter bulb = point(position: (0, 0, 9), intensity: 10)
 emitter sun = directional(direction: (1, 2, -4), irradiance: 3)
 emitter beam = spot(position: (0, -5, 6), target: (0, 1, 0), intensity: 9, angle: 30deg)
 ";
-
-struct Disk(PathBuf);
-
-impl Files for Disk {
-    fn read(&self, path: &VPath, _: u64) -> Result<Bytes, ReadError> {
-        let bytes = std::fs::read(self.0.join(path.as_str()));
-        bytes.map(Bytes::new).map_err(|error| ReadError::Other(error.to_string()))
-    }
-}
-
-/// The scene of a file below `root`, ready to be written.
-fn prepared(root: &Path, file: &str) -> Valid {
-    let path = VPath::resolve("", file).expect("a path");
-    let checked = pipeline::check(&Disk(root.to_path_buf()), &mut Sources::default(), &path, &Default::default());
-    let scene = checked.scene.unwrap_or_else(|| panic!("{file}: {:?}", checked.findings));
-    pipeline::prepare(scene).unwrap_or_else(|findings| panic!("{file}: {findings:?}")).0
-}
 
 fn numbers(report: &Value, key: &str) -> [f64; 3] {
     let list = report[key].as_array().expect("a list");
@@ -147,12 +127,12 @@ fn every_scene_is_imported_as_it_is() {
     for scene in scenes() {
         let generated = root().join("generated").join(&scene);
         let files = ["gltf", "glb"].map(|form| generated.join(form).join(format!("{scene}.{form}")));
-        cases.push((prepared(root(), &format!("scenes-src/{scene}.lts")), files.to_vec()));
+        cases.push((prepared(&Disk(root().to_path_buf()), &format!("scenes-src/{scene}.lts")), files.to_vec()));
     }
     std::fs::write(folder.path().join("small.lts"), SMALL).expect("a write");
-    let small = (prepared(folder.path(), "small.lts"), folder.path().join("small.lts"));
+    let small = (prepared(&Disk(folder.path().to_path_buf()), "small.lts"), folder.path().join("small.lts"));
     let many = "scenes-src/cboxm_diffuse_lvar.lts";
-    let many = (prepared(root(), many), root().join(many));
+    let many = (prepared(&Disk(root().to_path_buf()), many), root().join(many));
     for (scene, file) in [small, many] {
         let mut files = Vec::new();
         for (form, options) in

@@ -9,6 +9,7 @@ mod gallery;
 mod geometry;
 mod gltf;
 mod golden;
+mod mitsuba;
 mod mutations;
 mod outputs;
 mod page_cases;
@@ -23,6 +24,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
+use ltsc_core::diag::Sources;
+use ltsc_core::files::{Bytes, Files, ReadError, VPath};
+use ltsc_core::pipeline;
+use ltsc_core::valid::Valid;
 use ltsc_render::cache::CachePaths;
 use ltsc_render::env::Env;
 use ltsc_render::install::{Status, status};
@@ -90,6 +95,24 @@ fn scenes() -> Vec<String> {
     names.sort();
     assert!(names.len() >= 5, "{names:?}");
     names
+}
+
+/// Files below a folder.
+struct Disk(PathBuf);
+
+impl Files for Disk {
+    fn read(&self, path: &VPath, _: u64) -> Result<Bytes, ReadError> {
+        let bytes = std::fs::read(self.0.join(path.as_str()));
+        bytes.map(Bytes::new).map_err(|error| ReadError::Other(error.to_string()))
+    }
+}
+
+/// The scene of a file, ready to be written.
+fn prepared(files: &dyn Files, file: &str) -> Valid {
+    let path = VPath::resolve("", file).expect("a path");
+    let checked = pipeline::check(files, &mut Sources::default(), &path, &Default::default());
+    let scene = checked.scene.unwrap_or_else(|| panic!("{file}: {:?}", checked.findings));
+    pipeline::prepare(scene).unwrap_or_else(|findings| panic!("{file}: {findings:?}")).0
 }
 
 /// Whether expectations are to be rewritten, by the same switch as snapshots.

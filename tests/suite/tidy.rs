@@ -91,13 +91,50 @@ fn modules_of_the_core_use_only_what_lies_below_them() {
 
 #[test]
 fn a_format_knows_no_other_format() {
-    let formats = ["mitsuba", "pbrt", "luxcore", "cycles", "gltf"];
+    let formats = ["mitsuba", "pbrt", "luxcore", "cycles", "gltf", "toy"];
     for (path, text) in rust_files("compiler/core/src/formats") {
         let Some((own, _)) = path.split_once('/') else { continue };
         for other in formats.into_iter().filter(|other| *other != own) {
             let reaches = [format!("super::super::{other}"), format!("formats::{other}")];
             assert!(!reaches.iter().any(|name| text.contains(name)), "{path} uses the format {other}");
         }
+    }
+}
+
+/// What a new target costs: its folder, `mod` and a row for each of its targets in the table. `formats/toy` is such a folder, which
+/// only tests of the core have.
+#[test]
+fn a_target_is_a_folder_and_two_lines() {
+    let folders = fs::read_dir(root().join("compiler/core/src/formats")).expect("the formats");
+    let folders = folders.map(|entry| entry.expect("an entry").path()).filter(|path| path.is_dir());
+    let names: BTreeSet<String> =
+        folders.map(|path| path.file_name().expect("a name").to_string_lossy().into_owned()).collect();
+    let table = fs::read_to_string(root().join("compiler/core/src/formats/mod.rs")).expect("the table");
+    let rows = table.split("pub static TARGETS").nth(1).and_then(|rest| rest.split("];").next()).expect("the table");
+    for name in names.iter().filter(|name| *name != "shared") {
+        let mut lines = Vec::new();
+        for (path, text) in rust_files("compiler/core/src")
+            .into_iter()
+            .filter(|(path, _)| !path.starts_with(&format!("formats/{name}/")) && !path.ends_with("tests.rs"))
+        {
+            let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+            let names = |line: &str| {
+                let line = line.split("//").next().unwrap_or_default();
+                line.contains(&format!("mod {name};"))
+                    || line.contains(&format!("{name}::")) && !line.contains("file::")
+            };
+            // Meshes are read from files of glTF as well, by a module of that name which has nothing to do with the target.
+            let of_meshes = path.starts_with("mesh/");
+            let found = code.lines().filter(|line| !of_meshes && names(line));
+            lines.extend(found.map(|line| format!("{path}: {}", line.trim())));
+        }
+        let targets = rows.matches(&format!("{name}::")).count();
+        assert!(targets > 0, "{name} has no target");
+        assert_eq!(lines.len(), 1 + targets, "what knows the format {name}: {lines:#?}");
+    }
+    for (path, text) in all_sources().into_iter().filter(|(path, _)| path.starts_with("compiler/cli/")) {
+        let known = names.iter().find(|name| text.contains(&format!("formats::{name}")));
+        assert!(known.is_none(), "{path} knows the format {known:?}");
     }
 }
 

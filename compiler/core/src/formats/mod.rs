@@ -7,6 +7,8 @@ pub mod luxcore;
 pub mod mitsuba;
 pub mod pbrt;
 pub mod shared;
+#[cfg(test)]
+mod toy;
 
 use std::io;
 
@@ -79,6 +81,8 @@ pub static TARGETS: &[Target] = &[
     cycles::CYCLES,
     gltf::GLTF,
     gltf::GLB,
+    #[cfg(test)]
+    toy::TOY,
 ];
 
 /// The grey that stands for a texture that a target cannot read.

@@ -48,7 +48,8 @@ fn numbers(text: &str, before: &str, after: &str) -> Vec<f64> {
 #[test]
 fn targets_are_found_by_their_names() {
     let names: Vec<_> = TARGETS.iter().map(|target| target.name).collect();
-    let order = ["mitsuba-3", "mitsuba-0.6", "mitsuba-0.5", "pbrt-v4", "pbrt-v3", "luxcore", "cycles", "gltf", "glb"];
+    let order =
+        ["mitsuba-3", "mitsuba-0.6", "mitsuba-0.5", "pbrt-v4", "pbrt-v3", "luxcore", "cycles", "gltf", "glb", "toy"];
     assert_eq!(names, order);
     assert_eq!(find("mitsuba").map(|target| target.name), Some("mitsuba-3"));
     assert_eq!(find("pbrt").map(|target| target.name), Some("pbrt-v4"));
