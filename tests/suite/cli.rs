@@ -3,6 +3,7 @@
 use std::fs;
 use std::path::Path;
 
+use super::outputs::project;
 use super::{files_below, ltsc, root, run};
 
 const MINIMAL: &str = "lts 1\n/// A.\n///\n/// B.\nscene NAME { paths: [\"LDE\"] }\n\
@@ -549,6 +550,51 @@ fn thousands_of_errors_take_no_minutes() {
     assert_eq!((ran.code, ran.out.lines().count()), (Some(3), 5000));
     // It takes a second or two without optimisation; the quadratic way took minutes.
     assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
+}
+
+#[test]
+fn a_library_is_checked_with_the_scenes_that_use_it() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let uses = "use stone from \"lib/outer.lts\"\nshape s = box(size: 1) |> translate(z: 2) with stone\n";
+    let also = "use bulb from \"lib/inner.lts\"\nemitter bulb = bulb |> translate(z: 3) with radiance(1)\n";
+    project(folder, &[("one", uses), ("second", also), ("nothing", "")]);
+    fs::create_dir(folder.join("scenes/lib")).expect("a folder");
+    let inner = "lts 1\n\n/// A light.\nmesh bulb = box(size: 1)\n\n/// Its reflectance.\nlet albedo = 0.5\n";
+    let outer = "lts 1\n\nuse albedo from \"inner.lts\"\n\n/// Grey.\nmaterial stone = diffuse(albedo)\n";
+    let write = |name: &str, text: &str| fs::write(folder.join("scenes/lib").join(name), text).expect("a library");
+    write("inner.lts", inner);
+    write("outer.lts", outer);
+    let lint = |args: &[&str]| run(ltsc().current_dir(folder).arg("lint").args(args));
+    let clean = lint(&["scenes/lib/inner.lts"]);
+    assert_eq!(clean.code, Some(0), "{}{}", clean.out, clean.err);
+    assert!(clean.err.contains("1 file checked with 2 scenes that use a library: 0 errors"), "{}", clean.err);
+
+    // What a library breaks shows where it is used: directly, and through another library; once, if it is its own.
+    write(
+        "inner.lts",
+        &inner.replace("box(size: 1)", "sphere(segments: 8, rings: 4)").replace("0.5", "1.5").replace("lts 1\n\n", ""),
+    );
+    let broken = lint(&["scenes/lib/inner.lts", "--format", "short"]);
+    assert_eq!(broken.code, Some(1), "{}{}", broken.out, broken.err);
+    let once = |words: &str| assert_eq!(broken.out.matches(words).count(), 1, "{words}\n{}", broken.out);
+    once("scenes/second.lts:");
+    once("[smooth-emitter]");
+    once("[reflectance-over-one]");
+    once("scenes/lib/inner.lts:2:1: warning[missing-version]");
+    // `nothing` has no part in it; a scene that is named is not looked at twice; one alone brings no other.
+    let both = lint(&["scenes/lib/outer.lts", "scenes/one.lts", "scenes/nothing.lts"]);
+    assert!(both.err.contains("3 files checked: "), "{}", both.err);
+    let alone = lint(&["scenes/nothing.lts"]);
+    assert!(alone.code == Some(0) && alone.err.contains("1 file checked: "), "{}", alone.err);
+
+    // Nothing but what was asked for is mended.
+    let fixed = lint(&["scenes/lib/inner.lts", "--fix", "--format", "json"]);
+    let json: serde_json::Value = serde_json::from_str(&fixed.out).expect("JSON");
+    let ids: Vec<&str> =
+        json["fixed"].as_array().expect("a list").iter().filter_map(|one| one["id"].as_str()).collect();
+    assert_eq!(ids, ["missing-version"], "{json:#}");
+    assert!(fs::read_to_string(folder.join("scenes/second.lts")).expect("a scene").ends_with(also));
 }
 
 #[test]

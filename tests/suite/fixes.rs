@@ -74,6 +74,29 @@ fn programs_get_the_fixes_without_their_being_made() {
 }
 
 #[test]
+fn programs_get_what_was_fixed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let folder = folder.path();
+    let rough = "shape b = box(size: 1) with conductor(eta: 3.2, k: 3.3, alpha: 0.001)\n";
+    project(folder, &[("bulb", &format!("{SMOOTH}{rough}")), ("nothing", "")]);
+    let json = |args: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&lint(folder, &[&["--format", "json"], args].concat()).out).expect("JSON")
+    };
+    assert!(json(&[]).get("fixed").is_none(), "nobody asked for a change");
+    let found = json(&[]);
+    let fixed = json(&["--fix"]);
+    let list = fixed["fixed"].as_array().expect("a list");
+    assert_eq!(list.len(), 2, "{fixed:#}");
+    for (one, before) in list.iter().zip(found["findings"].as_array().expect("a list")) {
+        assert_eq!((&one["id"], &one["place"], &one["message"]), (&before["id"], &before["place"], &before["message"]));
+        assert_eq!(one["fix"], before["fix"]["title"]);
+    }
+    assert_eq!(list[0]["place"]["path"], "scenes/bulb.lts");
+    assert_eq!(fixed["findings"].as_array().map(Vec::len), Some(0), "{fixed:#}");
+    assert_eq!(json(&["--fix"])["fixed"].as_array().map(Vec::len), Some(0));
+}
+
+#[test]
 fn several_rounds_bring_what_stands_in_each_others_way() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();

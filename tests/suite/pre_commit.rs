@@ -165,6 +165,19 @@ fn hooks_let_good_scenes_pass_and_hold_bad_ones_back() {
     assert!(code == Some(0) && words.contains("no files to check"), "{words}");
     let (code, words) = files(&["scenes/one.lts", "ltsc.toml"]);
     assert_eq!(code, Some(0), "{words}");
+
+    // A library is checked with the scenes that use it, and no others.
+    fs::create_dir(scenes.folder.join("scenes/lib")).expect("a folder");
+    let lamp = "use bulb from \"lib/lamps.lts\"\nemitter bulb = bulb |> translate(z: 3) with radiance(1)\n";
+    project(&scenes.folder, &[("lamp", lamp)]);
+    scenes.write("scenes/lib/lamps.lts", "lts 1\n\nmesh bulb = box(size: 1)\n");
+    let (code, words) = files(&["scenes/lib/lamps.lts"]);
+    assert_eq!(code, Some(0), "{words}");
+    scenes.write("scenes/lib/lamps.lts", "lts 1\n\nmesh bulb = sphere(segments: 8, rings: 4)\n");
+    let (code, words) = files(&["scenes/lib/lamps.lts"]);
+    assert!(code == Some(1) && words.contains("smooth-emitter") && words.contains("scenes/lamp.lts:"), "{words}");
+    assert!(!words.contains("broken.lts"), "{words}");
+
     project(&scenes.folder, &[("another", "")]);
     assert_eq!(scenes.git(&["add", "scenes/another.lts"]).code, Some(0));
     let ran = run(scenes.command(&pre_commit).args(["run", "ltsc-lint"]));

@@ -8,6 +8,7 @@ use ltsc_core::eval::Overrides;
 use ltsc_core::files::VPath;
 use ltsc_core::fix::apply;
 use ltsc_core::formats::Target;
+use serde_json::Value;
 use similar::TextDiff;
 
 use crate::args;
@@ -26,43 +27,46 @@ pub struct Fixed {
     pub checked: Vec<CheckedFile>,
     /// Those that changed: their paths, and the texts before and after.
     pub changed: Vec<(VPath, String, String)>,
-    /// How many fixes were made.
-    pub fixes: usize,
+    /// The fixes that were made, as programs read them; their places are those in the text that each was made in.
+    pub fixes: Vec<Value>,
     /// How many were left out, since an error would follow from them.
     pub refused: usize,
 }
 
-/// Fixes files of a project in memory. Files that were not asked for stay as they are.
+/// Fixes files of a project in memory, and checks `users`, too. Files that were not asked for stay as they are.
 pub fn fixed(
     project: &Project,
     files: &[PathBuf],
+    users: &[PathBuf],
     findings: &args::Findings,
     targets: &[&'static Target],
 ) -> Result<Fixed, Failure> {
     let disk = disk_of(project, findings)?;
+    let all = [files, users].concat();
     let check = |texts: &BTreeMap<VPath, String>| {
-        check_changed(project, files, findings, Overrides::default(), targets, &Changed { disk: &disk, texts })
+        check_changed(project, &all, findings, Overrides::default(), targets, &Changed { disk: &disk, texts })
     };
     let mut texts: BTreeMap<VPath, String> = BTreeMap::new();
     let mut originals: BTreeMap<VPath, String> = BTreeMap::new();
     let mut checked = check(&texts)?;
     let mut refused: BTreeSet<(String, Vec<Edit>)> = BTreeSet::new();
-    let mut fixes = 0;
+    let mut fixes = Vec::new();
     // All at once, and one by one from where that would lead to an error.
     let mut careful = false;
     for _ in 0..ROUNDS {
-        let mut asked = fixes_of(&checked, &refused);
+        // What was asked for stands first.
+        let mut asked = fixes_of(&checked, files.len(), &refused);
         if careful {
             asked.truncate(1);
         }
         if asked.is_empty() {
             break;
         }
-        let (next, count) = applied(&checked, &texts, &asked);
+        let (next, made) = applied(&checked, &texts, &asked);
         let after = check(&next)?;
         if errors(&after) > errors(&checked) {
             if careful || asked.len() == 1 {
-                refused.extend(asked.into_iter().map(|(path, fix)| (path, fix.edits)));
+                refused.extend(asked.into_iter().map(|one| (one.path, one.fix.edits)));
             }
             careful = true;
             continue;
@@ -72,7 +76,7 @@ pub fn fixed(
                 originals.insert(path, text.to_owned());
             }
         }
-        fixes += count;
+        fixes.extend(made);
         (texts, checked) = (next, after);
     }
     let changed = texts.into_iter().filter_map(|(path, after)| {
@@ -82,15 +86,24 @@ pub fn fixed(
     Ok(Fixed { changed: changed.collect(), checked, fixes, refused: refused.len() })
 }
 
-/// The fixes within the files asked for, each once, with the file's path. Their edits all have the first file's number: one file
-/// has others where other scenes use it.
-fn fixes_of(checked: &[CheckedFile], refused: &BTreeSet<(String, Vec<Edit>)>) -> Vec<(String, Fix)> {
-    let asked: BTreeSet<&str> = checked.iter().map(|file| file.path.as_str()).collect();
+/// A fix of a file.
+struct Asked {
+    path: String,
+    fix: Fix,
+    /// What is fixed, as programs read it.
+    told: Value,
+}
+
+/// The fixes within the files asked for, the first so many, each once. Their edits all have the first file's number: one file has
+/// others where other scenes use it.
+fn fixes_of(checked: &[CheckedFile], count: usize, refused: &BTreeSet<(String, Vec<Edit>)>) -> Vec<Asked> {
+    let asked: BTreeSet<&str> = checked.iter().take(count).map(|file| file.path.as_str()).collect();
     let (_, number) = scratch();
     let mut found = Vec::new();
     let mut seen = refused.clone();
     for file in checked {
-        for fix in file.checked.findings.iter().filter_map(|finding| finding.fix.as_ref()) {
+        for finding in &file.checked.findings {
+            let Some(fix) = &finding.fix else { continue };
             let Some(first) = fix.edits.first().map(|edit| edit.span.file) else { continue };
             let path = &file.sources.get(first).path;
             if !asked.contains(path.as_str()) || fix.edits.iter().any(|edit| edit.span.file != first) {
@@ -99,7 +112,8 @@ fn fixes_of(checked: &[CheckedFile], refused: &BTreeSet<(String, Vec<Edit>)>) ->
             let mut fix = fix.clone();
             fix.edits.iter_mut().for_each(|edit| edit.span.file = number);
             if seen.insert((path.clone(), fix.edits.clone())) {
-                found.push((path.clone(), fix));
+                let told = file.located(finding.clone()).fixed_json(&fix.title);
+                found.push(Asked { path: path.clone(), fix, told });
             }
         }
     }
@@ -118,26 +132,26 @@ fn text_of<'c>(checked: &'c [CheckedFile], path: &str) -> Option<&'c str> {
     checked.iter().flat_map(|file| file.sources.iter()).find(|file| file.path == path).map(|file| &*file.text)
 }
 
-/// The texts with fixes, and how many were made.
+/// The texts with fixes, and which were made, as programs read them.
 fn applied(
     checked: &[CheckedFile],
     texts: &BTreeMap<VPath, String>,
-    fixes: &[(String, Fix)],
-) -> (BTreeMap<VPath, String>, usize) {
+    fixes: &[Asked],
+) -> (BTreeMap<VPath, String>, Vec<Value>) {
     let (_, number) = scratch();
     let mut next = texts.clone();
-    let mut count = 0;
+    let mut made = Vec::new();
     for file in checked {
         let path = file.path.as_str();
-        let own = fixes.iter().filter(|(of, _)| of == path).map(|(_, fix)| fix);
+        let own: Vec<&Asked> = fixes.iter().filter(|asked| asked.path == path).collect();
         let Some(text) = text_of(checked, path) else { continue };
-        let done = apply(text, number, own);
-        if done.fixes > 0 {
+        let done = apply(text, number, own.iter().map(|asked| &asked.fix));
+        if !done.made.is_empty() {
             next.insert(file.path.clone(), done.text);
-            count += done.fixes;
+            made.extend(done.made.iter().map(|at| own[*at].told.clone()));
         }
     }
-    (next, count)
+    (next, made)
 }
 
 fn errors(checked: &[CheckedFile]) -> usize {

@@ -119,7 +119,7 @@ fn report(found: &[(Vec<Finding>, Sources, Arc<str>)], format: Format) {
     let all = found.iter().flat_map(|(findings, sources, prefix)| {
         findings.iter().map(move |finding| Located { finding: finding.clone(), sources, prefix })
     });
-    output::findings(&all.collect::<Vec<_>>(), format, false, true);
+    output::findings(&all.collect::<Vec<_>>(), None, format, false, true);
 }
 
 /// Standard input to standard output.

@@ -5,13 +5,15 @@ use ltsc_core::eval::Overrides;
 use ltsc_core::formats::Target;
 use ltsc_core::ledger::Ledger;
 use ltsc_core::pipeline;
+use serde_json::Value;
 
 use crate::args::{Format, Lint};
 use crate::output::{Counts, Exit, Failure, Located};
 use crate::{project, terminal};
 
 use super::fixes::{self, Fixed};
-use super::shared::{CheckedFile, check, counted, files_of, ledgers, report};
+use super::shared::{CheckedFile, check, counted, files_of, ledgers, report_fixed};
+use super::users::users;
 
 pub fn run(command: &Lint) -> Result<Exit, Failure> {
     let targets = command.target.iter().map(|name| project::target(name)).collect::<Result<Vec<_>, _>>()?;
@@ -21,10 +23,13 @@ pub fn run(command: &Lint) -> Result<Exit, Failure> {
     }
     let mut files = Vec::new();
     let mut tally = Tally::default();
+    let mut using = 0;
     for (project, paths) in groups {
         let levels = project.levels_with(&command.findings)?;
+        let users = users(&project, &paths, &command.findings)?;
+        using += users.len();
         let mut checked = if command.fix || command.diff {
-            let fixed = fixes::fixed(&project, &paths, &command.findings, &targets)?;
+            let fixed = fixes::fixed(&project, &paths, &users, &command.findings, &targets)?;
             if command.diff {
                 terminal::print(&fixes::difference(&fixed));
             } else {
@@ -33,7 +38,8 @@ pub fn run(command: &Lint) -> Result<Exit, Failure> {
             tally.add(&fixed);
             fixed.checked
         } else {
-            check(&project, &paths, &command.findings, Overrides::default(), &targets)?
+            let all = [paths, users].concat();
+            check(&project, &all, &command.findings, Overrides::default(), &targets)?
         };
         for file in &mut checked {
             let mut lost = losses(file, &targets);
@@ -48,29 +54,31 @@ pub fn run(command: &Lint) -> Result<Exit, Failure> {
     if command.diff {
         let (exit, counts) = counted(&files, more.collect());
         terminal::say(&format!("{}; then {}", tally.words("would be fixed"), counts.words()));
-        return Ok(if tally.fixes > 0 { exit.max(Exit::No) } else { exit });
+        return Ok(if !tally.fixes.is_empty() { exit.max(Exit::No) } else { exit });
     }
-    let (exit, counts) = report(&files, more.collect(), command.findings.format, true, targets.is_empty());
+    let fixed = command.fix.then_some(tally.fixes.as_slice());
+    let (exit, counts) = report_fixed(&files, more.collect(), fixed, command.findings.format, true, targets.is_empty());
     if command.fix {
         terminal::say(&tally.words("fixed"));
     }
     if matches!(command.findings.format, Format::Human | Format::Github) {
-        terminal::say(&summary(&files, &counts));
+        terminal::say(&summary(&files, using, &counts));
     }
     Ok(exit)
 }
 
-/// How much was fixed.
+/// What was fixed.
 #[derive(Default)]
 struct Tally {
-    fixes: usize,
+    /// As programs read them.
+    fixes: Vec<Value>,
     files: usize,
     refused: usize,
 }
 
 impl Tally {
     fn add(&mut self, fixed: &Fixed) {
-        self.fixes += fixed.fixes;
+        self.fixes.extend_from_slice(&fixed.fixes);
         self.files += fixed.changed.len();
         self.refused += fixed.refused;
     }
@@ -82,7 +90,7 @@ impl Tally {
         } else {
             format!("; {} not fixed, since an error would follow", one(self.refused, "finding"))
         };
-        format!("{} {done} in {}{refused}", one(self.fixes, "finding"), one(self.files, "file"))
+        format!("{} {done} in {}{refused}", one(self.fixes.len(), "finding"), one(self.files, "file"))
     }
 }
 
@@ -98,9 +106,16 @@ fn losses(file: &CheckedFile, targets: &[&'static Target]) -> Vec<Finding> {
     }
 }
 
-fn summary(files: &[CheckedFile], counts: &Counts) -> String {
-    let plural = if files.len() == 1 { "" } else { "s" };
+/// One line about all files, of which the last `using` were not asked for.
+fn summary(files: &[CheckedFile], using: usize, counts: &Counts) -> String {
+    let asked = files.len() - using;
+    let plural = if asked == 1 { "" } else { "s" };
+    let users = match using {
+        0 => String::new(),
+        1 => " with 1 scene that uses a library".to_owned(),
+        _ => format!(" with {using} scenes that use a library"),
+    };
     let open = files.iter().flat_map(|file| &file.checked.findings).filter(|finding| finding.fix.is_some()).count();
     let fixable = if open == 0 { String::new() } else { format!("; `ltsc lint --fix` mends {open}") };
-    format!("{} file{plural} checked: {}{fixable}", files.len(), counts.words())
+    format!("{asked} file{plural} checked{users}: {}{fixable}", counts.words())
 }

@@ -15,6 +15,7 @@ mod renderers;
 mod shared;
 mod similar;
 mod stats;
+mod users;
 
 use crate::args::{Arguments, Command, Format, RenderersAction};
 use crate::output::Exit;

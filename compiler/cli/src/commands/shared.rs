@@ -14,6 +14,7 @@ use ltsc_core::lint::Levels;
 use ltsc_core::pipeline::{self, Checked, Options};
 use ltsc_core::valid::Valid;
 use rayon::prelude::*;
+use serde_json::Value;
 
 use crate::args::{self, Format};
 use crate::disk::{Changed, DiskFiles};
@@ -195,15 +196,27 @@ pub fn report(
     to_stdout: bool,
     quiet: bool,
 ) -> (Exit, output::Counts) {
+    report_fixed(files, more, None, format, to_stdout, quiet)
+}
+
+/// [`report`] with what was fixed, which JSON shows.
+pub fn report_fixed(
+    files: &[CheckedFile],
+    more: Vec<Located<'_>>,
+    fixed: Option<&[Value]>,
+    format: Format,
+    to_stdout: bool,
+    quiet: bool,
+) -> (Exit, output::Counts) {
     let mut all = gathered(files, more);
     let (exit, counts) = tallied(&all);
     if format == Format::Human && all.len() > SHOWN {
         let rest = all.len() - SHOWN;
         all.truncate(SHOWN);
-        output::findings(&all, format, to_stdout, quiet);
+        output::findings(&all, fixed, format, to_stdout, quiet);
         terminal::say(&format!("... and {rest} more findings; `--format short` shows all"));
     } else {
-        output::findings(&all, format, to_stdout, quiet);
+        output::findings(&all, fixed, format, to_stdout, quiet);
     }
     (exit, counts)
 }

@@ -67,14 +67,24 @@ impl Located<'_> {
         })
     }
 
-    /// The stable JSON form.
-    pub fn json(&self) -> Value {
-        let Finding { id, severity, message, origin, label, labels, notes, help, suppression, fix } = &self.finding;
-        let place = match origin {
+    fn place_json(&self) -> Value {
+        match &self.finding.origin {
             Origin::Text(span) => self.span_json(*span),
             Origin::File { path, place } => json!({ "path": path, "place": place }),
             Origin::Made => Value::Null,
-        };
+        }
+    }
+
+    /// What programs read about a finding that was fixed; `fix` is the title of the fix.
+    pub fn fixed_json(&self, fix: &str) -> Value {
+        let Finding { id, message, .. } = &self.finding;
+        json!({ "id": id, "message": message, "place": self.place_json(), "fix": fix })
+    }
+
+    /// The stable JSON form.
+    pub fn json(&self) -> Value {
+        let Finding { id, severity, message, origin: _, label, labels, notes, help, suppression, fix } = &self.finding;
+        let place = self.place_json();
         let labels: Vec<Value> =
             labels.iter().map(|label| json!({ "place": self.span_json(label.span), "text": label.text })).collect();
         let fix = fix.as_ref().map(|fix| {

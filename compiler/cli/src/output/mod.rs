@@ -157,18 +157,22 @@ impl Counts {
 }
 
 /// Prints findings. People's forms go to standard error for commands whose output is something else, programs' to
-/// standard output. Findings that are allowed, and remarks where `quiet`, are not shown to people.
-pub fn findings(all: &[Located<'_>], format: Format, to_stdout: bool, quiet: bool) {
+/// standard output. Findings that are allowed, and remarks where `quiet`, are not shown to people. `fixed` is what became of a
+/// command that mends ([`Located::fixed_json`]).
+pub fn findings(all: &[Located<'_>], fixed: Option<&[Value]>, format: Format, to_stdout: bool, quiet: bool) {
     let least = if quiet { Severity::Warn } else { Severity::Info };
     let shown = all.iter().filter(|located| located.finding.severity >= least);
     match format {
         Format::Json => {
             let counts = Counts::of(all.iter().map(|located| &located.finding));
             let list: Vec<Value> = all.iter().map(Located::json).collect();
-            let document = json!({
+            let mut document = json!({
                 "findings": list,
                 "counts": { "errors": counts.errors, "warnings": counts.warnings, "allowed": counts.allowed },
             });
+            if let Some(fixed) = fixed {
+                document["fixed"] = fixed.into();
+            }
             terminal::print(&format!("{document:#}\n"));
         }
         Format::Sarif => terminal::print(&format!("{:#}\n", sarif::document(all))),

@@ -2,6 +2,7 @@
 //!
 //! Lines along which surfaces meet are no contacts: boxes on floors, walls in corners, plates that cross. Only areas count.
 
+mod hash;
 mod overlap;
 mod search;
 mod tree;

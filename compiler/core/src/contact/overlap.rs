@@ -65,7 +65,7 @@ pub(super) struct Distances {
 /// or nothing does.
 pub(super) fn overlap(one: &Triangle, other: &Triangle, within: Distances) -> Option<(bool, Overlap)> {
     let cosine = dot(one.normal, other.normal);
-    if cosine.abs() < PARALLEL || one.bounds.grown(within.near).common(other.bounds).is_none() {
+    if cosine.abs() < PARALLEL || !one.bounds.grown(within.near).touches(other.bounds) {
         return None;
     }
     let start = one.corners[0];

@@ -1,9 +1,8 @@
 //! The search for contacts: first boxes of uses, then boxes of triangles, then triangles.
 
-use std::collections::HashMap;
-
 use rayon::prelude::*;
 
+use super::hash::QuickMap;
 use super::overlap::{Distances, Triangle, overlap};
 use super::tree::Tree;
 use super::{Contact, Contacts, Overlap, Role, coplanarity, nearness, role};
@@ -21,6 +20,10 @@ const SCANS: u32 = 8;
 
 /// So many triangles are held against a scan of the other mesh.
 const FEW: usize = 16;
+
+/// A pair whose smaller mesh has more triangles waits until all others have been looked at: where the work runs out, what is left
+/// out are pairs of large meshes.
+const HEAVY: usize = 4096;
 
 /// Triangles that one task looks at; results are summed in their order.
 const PIECE: usize = 512;
@@ -62,14 +65,16 @@ pub(super) struct Search<'s> {
     scans: Vec<u32>,
     /// By mesh.
     trees: Vec<Option<Tree>>,
-    known: HashMap<Pose, Found>,
+    /// By small mesh, boxes around its triangles.
+    small: Vec<Option<Vec<Bounds>>>,
+    known: QuickMap<Pose, Found>,
     looked: u64,
     budget: u64,
 }
 
 impl<'s> Search<'s> {
     pub fn of(survey: &'s Survey<'s>) -> Self {
-        let mut numbers: HashMap<Frame, u32> = HashMap::new();
+        let mut numbers: QuickMap<Frame, u32> = QuickMap::default();
         let mut shared = Vec::new();
         let mut frames = Vec::with_capacity(survey.placed.len());
         for placed in &survey.placed {
@@ -89,7 +94,8 @@ impl<'s> Search<'s> {
             shared,
             scans: vec![0; meshes],
             trees: (0..meshes).map(|_| None).collect(),
-            known: HashMap::new(),
+            small: vec![None; meshes],
+            known: QuickMap::default(),
             looked: 0,
             budget: BUDGET,
         }
@@ -107,23 +113,37 @@ impl<'s> Search<'s> {
         let mut contacts = Contacts::default();
         let tree = Tree::of(placed.len(), |at| placed[at].bounds);
         let mut partners: Vec<usize> = Vec::new();
+        let mut heavy: Vec<([usize; 2], Bounds)> = Vec::new();
+        let large: Vec<bool> =
+            placed.iter().map(|placed| self.survey.scene.meshes[placed.shape.mesh].triangles.len() > HEAVY).collect();
         for one in 0..placed.len() {
             if self.roles[one] == Role::Dielectric {
-                self.contact([one, one], placed[one].bounds, &mut contacts);
+                if large[one] {
+                    heavy.push(([one, one], placed[one].bounds));
+                } else {
+                    self.contact([one, one], placed[one].bounds, &mut contacts);
+                }
             }
             partners.clear();
             let near = placed[one].bounds.grown(2.0 * nearness(placed[one].bounds.reach()));
-            let may_touch = |other: &usize| *other > one && placed[*other].bounds.common(near).is_some();
+            let may_touch = |other: &usize| *other > one && placed[*other].bounds.touches(near);
             self.looked += tree.each(near, |items| {
                 partners.extend(items.iter().map(|item| *item as usize).filter(may_touch));
             });
             partners.sort_unstable();
             for other in partners.iter().copied() {
-                if let Some(region) = self.region(one, other) {
+                let Some(region) = self.region(one, other) else { continue };
+                if large[one] && large[other] {
+                    heavy.push(([one, other], region));
+                } else {
                     self.contact([one, other], region, &mut contacts);
                 }
             }
         }
+        for (uses, region) in heavy {
+            self.contact(uses, region, &mut contacts);
+        }
+        contacts.found.sort_unstable_by_key(|contact| contact.uses);
         contacts
     }
 
@@ -204,14 +224,19 @@ impl<'s> Search<'s> {
     fn reaching(&mut self, at: usize, region: Bounds) -> Vec<u32> {
         let placed = &self.survey.placed[at];
         let mesh = &self.survey.scene.meshes[placed.shape.mesh];
-        let Some(near) = local(placed, region) else { return Vec::new() };
+        let Some(near) = into_mesh(placed).map(|into| into(region)) else { return Vec::new() };
         let number = placed.shape.mesh.index();
         let count = mesh.triangles.len();
-        if self.trees[number].is_none() && (count <= SMALL || self.scans[number] < SCANS) {
+        if self.trees[number].is_none() && count <= SMALL {
+            self.looked += count as u64;
+            let boxes = self.small[number]
+                .get_or_insert_with(|| (0..count).map(|at| own_bounds_or_nowhere(mesh, at)).collect());
+            return (0..).zip(boxes).filter(|(_, own)| own.touches(near)).map(|(at, _)| at).collect();
+        }
+        if self.trees[number].is_none() && self.scans[number] < SCANS {
             self.scans[number] += 1;
             self.looked += count as u64;
-            let reaches = |at: &u32| own_bounds(mesh, *at as usize).is_some_and(|own| own.common(near).is_some());
-            return (0..count as u32).filter(reaches).collect();
+            return (0..count as u32).filter(|at| own_bounds_or_nowhere(mesh, *at as usize).touches(near)).collect();
         }
         self.plant(number, mesh);
         let Some(tree) = &self.trees[number] else { return Vec::new() };
@@ -224,9 +249,7 @@ impl<'s> Search<'s> {
     fn plant(&mut self, number: usize, mesh: &Mesh) {
         if self.trees[number].is_none() {
             self.looked += 4 * mesh.triangles.len() as u64;
-            // What has an index out of range lies nowhere near.
-            let nowhere = Bounds { low: [f64::MAX; 3], high: [f64::MAX; 3] };
-            let tree = Tree::of(mesh.triangles.len(), |at| own_bounds(mesh, at).unwrap_or(nowhere));
+            let tree = Tree::of(mesh.triangles.len(), |at| own_bounds_or_nowhere(mesh, at));
             self.trees[number] = Some(tree);
         }
     }
@@ -240,17 +263,18 @@ impl<'s> Search<'s> {
         let size = region.size();
         let sheet = (0..3).find(|axis| size[*axis] <= 4.0 * within.near);
         let lies = |triangle: &Triangle| sheet.is_none_or(|axis| triangle.normal[axis].abs() > 0.9);
-        let [one_use, other_use] = [one, other].map(|at| &survey.placed[at]);
-        let of = |placed: &Placed<'_>, at: u32| triangle(survey, placed, at as usize).filter(lies);
+        let other_use = &survey.placed[other];
+        let [of_one, of_other] = [one, other].map(|at| triangles(survey, &survey.placed[at]));
+        let [of_one, of_other] = [&of_one, &of_other].map(|of| move |at: u32| of(at as usize).filter(lies));
 
         let candidates = self.reaching(one, region);
         if candidates.len() <= FEW || count(other) <= SMALL {
-            let few: Vec<Triangle> = candidates.into_iter().filter_map(|at| of(one_use, at)).collect();
+            let few: Vec<Triangle> = candidates.into_iter().filter_map(&of_one).collect();
             let Some(around) = few.iter().map(|triangle| triangle.bounds).reduce(Bounds::union) else { return NOTHING };
             let Some(closer) = around.grown(within.near).common(region) else { return NOTHING };
             let others = self.reaching(other, closer);
             self.looked += (few.len() * others.len()) as u64;
-            let each = |found: Found, at: u32| match of(other_use, at) {
+            let each = |found: Found, at: u32| match of_other(at) {
                 Some(second) => few.iter().fold(found, |found, first| add(found, overlap(first, &second, within))),
                 None => found,
             };
@@ -258,13 +282,12 @@ impl<'s> Search<'s> {
         }
         let number = other_use.shape.mesh.index();
         self.plant(number, &survey.scene.meshes[other_use.shape.mesh]);
-        let Some(tree) = &self.trees[number] else { return NOTHING };
+        let (Some(tree), Some(into)) = (&self.trees[number], into_mesh(other_use)) else { return NOTHING };
         let each = |piece: &[u32]| {
             let (mut found, mut looked) = (NOTHING, 0);
-            for first in piece.iter().filter_map(|at| of(one_use, *at)) {
-                let Some(near) = local(other_use, first.bounds.grown(within.near)) else { continue };
-                looked += tree.each(near, |items| {
-                    for second in items.iter().filter_map(|at| of(other_use, *at)) {
+            for first in piece.iter().filter_map(|at| of_one(*at)) {
+                looked += tree.each(into(first.bounds.grown(within.near)), |items| {
+                    for second in items.iter().filter_map(|at| of_other(*at)) {
                         found = add(found, overlap(&first, &second, within));
                     }
                 });
@@ -287,14 +310,14 @@ impl<'s> Search<'s> {
         }
         let number = placed.shape.mesh.index();
         self.plant(number, mesh);
-        let Some(tree) = &self.trees[number] else { return NOTHING };
-        let of = |at: u32| triangle(survey, placed, at as usize);
+        let (Some(tree), Some(into)) = (&self.trees[number], into_mesh(placed)) else { return NOTHING };
+        let of = triangles(survey, placed);
+        let of = |at: u32| of(at as usize);
         let each = |piece: usize| {
             let (mut found, mut looked) = (NOTHING, 0);
             for at in (piece * PIECE..mesh.triangles.len().min((piece + 1) * PIECE)).map(|at| at as u32) {
                 let Some(first) = of(at) else { continue };
-                let Some(near) = local(placed, first.bounds.grown(within.near)) else { continue };
-                looked += tree.each(near, |items| {
+                looked += tree.each(into(first.bounds.grown(within.near)), |items| {
                     let later = items.iter().filter(|item| **item > at).filter_map(|item| of(*item));
                     for second in later.filter(|second| dot(first.normal, second.normal) < 0.0) {
                         found = add(found, overlap(&first, &second, within));
@@ -321,8 +344,8 @@ fn add([same, opposite]: Found, found: Option<(bool, Overlap)>) -> Found {
 /// Whether all faces of a use look into one half of space, so far that no two are opposite.
 fn one_way(survey: &Survey<'_>, placed: &Placed<'_>) -> bool {
     let mut sum: Vec3 = [0.0; 3];
-    let faces =
-        || (0..survey.scene.meshes[placed.shape.mesh].triangles.len()).filter_map(|at| triangle(survey, placed, at));
+    let of = triangles(survey, placed);
+    let faces = || (0..survey.scene.meshes[placed.shape.mesh].triangles.len()).filter_map(&of);
     for face in faces() {
         sum = [0, 1, 2].map(|axis| sum[axis] + face.area * face.normal[axis]);
     }
@@ -330,11 +353,14 @@ fn one_way(survey: &Survey<'_>, placed: &Placed<'_>) -> bool {
     normalized(sum).is_some_and(|middle| faces().all(|face| dot(face.normal, middle) > 0.15))
 }
 
-/// A triangle of a use in the scene; a mirroring transform turns its corners, so that the front stays in front.
-fn triangle(survey: &Survey<'_>, placed: &Placed<'_>, at: usize) -> Option<Triangle> {
+/// The triangles of a use in the scene, by number; a mirroring transform turns their corners, so that the front stays in front.
+fn triangles<'a>(survey: &'a Survey<'_>, placed: &'a Placed<'_>) -> impl Fn(usize) -> Option<Triangle> + Sync + 'a {
     let mesh = &survey.scene.meshes[placed.shape.mesh];
-    let [a, b, c] = own_corners(mesh, at)?.map(|corner| placed.transform.point(corner));
-    Triangle::of(if placed.transform.determinant() < 0.0 { [a, c, b] } else { [a, b, c] })
+    let mirrors = placed.transform.determinant() < 0.0;
+    move |at| {
+        let [a, b, c] = own_corners(mesh, at)?.map(|corner| placed.transform.point(corner));
+        Triangle::of(if mirrors { [a, c, b] } else { [a, b, c] })
+    }
 }
 
 fn own_corners(mesh: &Mesh, at: usize) -> Option<[Vec3; 3]> {
@@ -342,18 +368,23 @@ fn own_corners(mesh: &Mesh, at: usize) -> Option<[Vec3; 3]> {
     Some([*a?, *b?, *c?].map(|point| point.map(f64::from)))
 }
 
-fn own_bounds(mesh: &Mesh, at: usize) -> Option<Bounds> {
-    own_corners(mesh, at).map(Bounds::of_triangle)
+/// A box around a triangle in the coordinates of its mesh. One with an index out of range lies nowhere near.
+fn own_bounds_or_nowhere(mesh: &Mesh, at: usize) -> Bounds {
+    const NOWHERE: Bounds = Bounds { low: [f64::MAX; 3], high: [f64::MAX; 3] };
+    own_corners(mesh, at).map_or(NOWHERE, Bounds::of_triangle)
 }
 
-/// A box around `region` in the coordinates of the mesh; none for a transform without an inverse.
-fn local(placed: &Placed<'_>, region: Bounds) -> Option<Bounds> {
-    if placed.transform == Affine::IDENTITY {
-        return Some(region);
-    }
-    let inverse = inverse(&placed.transform)?;
-    let near = region.transformed(&inverse);
-    Some(near.grown(1e-12 * near.reach()))
+/// Puts boxes around boxes of the scene in the coordinates of the mesh; none for a transform without an inverse.
+fn into_mesh(placed: &Placed<'_>) -> Option<impl Fn(Bounds) -> Bounds + Sync + use<>> {
+    let moved = placed.transform != Affine::IDENTITY;
+    let inverse = if moved { inverse(&placed.transform)? } else { Affine::IDENTITY };
+    Some(move |region: Bounds| {
+        if !moved {
+            return region;
+        }
+        let near = region.transformed(&inverse);
+        near.grown(1e-12 * near.reach())
+    })
 }
 
 fn inverse(map: &Affine) -> Option<Affine> {

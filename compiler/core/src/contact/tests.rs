@@ -111,6 +111,22 @@ fn work_is_limited() {
     assert!(cut.left_out > 0 && cut.found.len() < 9, "{cut:?}");
 }
 
+#[test]
+fn large_meshes_wait_for_small_ones() {
+    let text = "shape one = sphere(center: (0, 0, 3), radius: 1, segments: 100, rings: 50) with glass
+        shape two = sphere(center: (0.5, 0, 3), radius: 1, segments: 100, rings: 50) with glass
+        for i in 0..3 { shape cube = box(x: i..i + 1, y: 0..1, z: 5..6) with glass }";
+    let scene = scene(text);
+    let survey = Survey::of(&scene);
+    let whole = Contacts::of(&survey);
+    assert!(whole.found.is_sorted_by_key(|contact| contact.uses) && whole.left_out == 0, "{whole:?}");
+    // Enough for the cubes, and for the first sphere that is looked at.
+    let cut = search::Search::of(&survey).with_budget(1000).run();
+    let cubes: Vec<_> = whole.found.iter().filter(|contact| contact.uses[0] > 2).copied().collect();
+    assert_eq!(cubes.len(), 3);
+    assert_eq!((cut.found, cut.left_out), (cubes, 2));
+}
+
 /// Every pair of triangles, without boxes, trees or known poses.
 fn by_force(survey: &Survey<'_>) -> Vec<([usize; 2], [f64; 2])> {
     let triangles: Vec<Vec<Triangle>> =

@@ -7,6 +7,10 @@ use crate::survey::Bounds;
 /// Children of a node, and items of a leaf.
 const WIDTH: usize = 8;
 
+/// The most nodes that wait to be looked at: of 2^32 items there are 11 levels, each of which takes one away and brings
+/// [`WIDTH`]; and one place behind them.
+const MOST_OPEN: usize = 11 * (WIDTH - 1) + 2;
+
 /// Below so many items threads cost more than they save.
 const WORTH_THREADS: usize = 1 << 14;
 
@@ -62,22 +66,29 @@ impl Tree {
 
     /// Calls `found` with groups of items, at least all those whose boxes touch `near`; gives the number of boxes looked at.
     pub fn each(&self, near: Bounds, mut found: impl FnMut(&[u32])) -> u64 {
-        let mut looked = 0;
-        let mut open: Vec<(usize, usize)> = Vec::new();
-        if let Some(top) = self.levels.len().checked_sub(1) {
-            open.push((top, 0));
+        let Some(top) = self.levels.len().checked_sub(1) else { return 0 };
+        let mut looked = 1;
+        if !self.levels[top][0].touches(near) {
+            return looked;
         }
-        while let Some((level, at)) = open.pop() {
-            looked += 1;
-            if self.levels[level][at].common(near).is_none() {
+        let mut open = [(0_usize, 0_usize); MOST_OPEN];
+        open[0] = (top, 0);
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let (level, at) = open[count];
+            let from = at * WIDTH;
+            if level == 0 {
+                found(&self.order[from..self.order.len().min(from + WIDTH)]);
                 continue;
             }
-            if level == 0 {
-                found(&self.order[at * WIDTH..self.order.len().min((at + 1) * WIDTH)]);
-            } else {
-                let last = self.levels[level - 1].len().min((at + 1) * WIDTH);
-                // The first is looked at first.
-                open.extend((at * WIDTH..last).rev().map(|child| (level - 1, child)));
+            let below = &self.levels[level - 1];
+            let children = &below[from..below.len().min(from + WIDTH)];
+            looked += children.len() as u64;
+            // The first is looked at first.
+            for (child, bounds) in children.iter().enumerate().rev() {
+                open[count] = (level - 1, from + child);
+                count += usize::from(bounds.touches(near));
             }
         }
         looked

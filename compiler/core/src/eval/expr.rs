@@ -594,6 +594,10 @@ impl table::Host for Interpreter<'_> {
         self.step(span)?;
         self.invoke(function, &values, span)
     }
+
+    fn apply_many(&mut self, function: &Rc<Function>, places: &[[f64; 2]]) -> Option<Vec<f64>> {
+        self.invoke_many(function, places)
+    }
 }
 
 /// What makes two calls of `file` the same mesh or group, of `bitmap` the same texture, and of `table` the same list.

@@ -363,6 +363,25 @@ impl Interpreter<'_> {
         self.invoke(function, &values, call.span)
     }
 
+    /// The numbers that a function has at many places, each of them a call that counts a step; none where it is to be called for
+    /// one after the other, which says what is wrong and where.
+    pub(super) fn invoke_many<const N: usize>(
+        &mut self,
+        function: &Rc<Function>,
+        places: &[[f64; N]],
+    ) -> Option<Vec<f64>> {
+        if self.call_depth >= CALL_DEPTH || function.params.len() != N {
+            return None;
+        }
+        let mut steps = self.steps + places.len() as u64;
+        let program = function.program.get_or_init(|| Program::of(function)).as_ref()?;
+        let results = program.run_many(places, &mut steps)?;
+        (steps <= self.limits.steps).then(|| {
+            self.steps = steps;
+            results
+        })
+    }
+
     /// The value of a function's body for the parameters' values; `call` is where it is called.
     pub(super) fn invoke(&mut self, function: &Rc<Function>, values: &[Value], call: Span) -> Result<Value, Reported> {
         if self.call_depth >= CALL_DEPTH {

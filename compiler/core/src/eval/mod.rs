@@ -134,6 +134,19 @@ pub fn header(files: &dyn Files, path: &VPath, limits: Limits) -> Option<(String
     Interpreter::new(files, &mut sources, &[], limits).header_alone(&tree)
 }
 
+/// The files that the file at `path` uses, those that are not there included; none of what cannot be read.
+pub fn uses(files: &dyn Files, path: &VPath, limits: Limits) -> Vec<VPath> {
+    let Ok(bytes) = files.read(path, limits.text) else { return Vec::new() };
+    let Ok(text) = std::str::from_utf8(&bytes) else { return Vec::new() };
+    let file = Sources::default().add(path.as_str(), "");
+    let statements = crate::syntax::uses(file, text).statements;
+    let named = statements.iter().filter_map(|statement| match &statement.kind {
+        crate::syntax::StatementKind::Use { names: _, path } => Some(path),
+        _ => None,
+    });
+    named.filter_map(|used| VPath::resolve(path.folder(), &used.text).ok()).collect()
+}
+
 /// How many steps of the way that led to an error are shown: calls, iterations, uses of files.
 const TRAIL: usize = 8;
 

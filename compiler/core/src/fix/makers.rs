@@ -18,24 +18,115 @@ fn edit(span: Span, text: impl Into<String>) -> Edit {
 
 /// `|> faceted()` behind the mesh of an emitter: smooth normals of one are refused by every profile.
 pub fn facet_emitter(place: &Place<'_>) -> Option<Fix> {
-    let emitter =
-        |statement: &Statement| matches!(statement.kind, StatementKind::Declaration { kind: Kind::Emitter, .. });
-    let statement = tree::statement(place.tree(), place.span, emitter)?;
-    let StatementKind::Declaration { kind: _, name: _, params: None, value, with: Some(_) } = &statement.kind else {
-        return None;
+    let statement = tree::statement(place.tree(), place.span, |statement| is(statement, &[Kind::Emitter]))?;
+    stage_behind(place, statement, "faceted", "the emitter's mesh")
+}
+
+/// `|> faceted()` behind a mesh that has no normals: flat triangles are what its file describes, and all that it does. Who wants a
+/// smooth surface through them says `smooth`.
+pub fn facet_mesh(place: &Place<'_>) -> Option<Fix> {
+    let kinds = [Kind::Emitter, Kind::Shape, Kind::Mesh];
+    let statement = tree::statement(place.tree(), place.span, |statement| is(statement, &kinds))?;
+    let whose = if is(statement, &[Kind::Emitter]) { "the emitter's mesh" } else { "the mesh" };
+    stage_behind(place, statement, "faceted", whose)
+}
+
+/// `|> flip()` behind a closed mesh that looks inwards. Not where the statement is carried out for other meshes, too: in a loop or
+/// a function.
+pub fn flip_mesh(place: &Place<'_>) -> Option<Fix> {
+    let kinds = [Kind::Emitter, Kind::Shape];
+    let statement = tree::statement(place.tree(), place.span, |statement| is(statement, &kinds))?;
+    let repeats = |outer: &Statement| {
+        matches!(&outer.kind, StatementKind::For { .. })
+            || matches!(&outer.kind, StatementKind::Group { params, .. } if !params.is_empty())
     };
+    if tree::statement(place.tree(), place.span, repeats).is_some() {
+        return None;
+    }
+    stage_behind(place, statement, "flip", "the mesh")
+}
+
+/// `|> flip()` behind the mesh of an emitter that shines away from everything. Not in a loop or a group, where the same statement
+/// makes emitters at other places.
+pub fn turn_emitter(place: &Place<'_>) -> Option<Fix> {
+    let statement = tree::statement(place.tree(), place.span, |_| true)?;
+    let alone = place.tree().statements.iter().any(|top| std::ptr::eq(top, statement));
+    if !alone || !is(statement, &[Kind::Emitter]) {
+        return None;
+    }
+    stage_behind(place, statement, "flip", "the emitter's mesh")
+}
+
+/// Generators that have a `center`, which is the origin unless it is given.
+const CENTRED: &[&str] = &["box", "sphere"];
+
+/// `box(size: 1, center: (1, 0, 0))` for `box(size: 1) |> translate(x: 1)`: the mesh lies in its place then. Whatever else moves a
+/// mesh needs new coordinates, which nobody but its author can name.
+pub fn center_mesh(place: &Place<'_>) -> Option<Fix> {
+    let statement = tree::statement(place.tree(), place.span, |one| is(one, &[Kind::Emitter, Kind::Shape]))?;
+    let StatementKind::Declaration { params: None, value, with: Some(_), .. } = &statement.kind else { return None };
+    let ExprKind::Call(moves) = &value.kind else { return None };
+    let mesh = moves.piped.as_ref().filter(|_| moves.name.text == "translate")?;
+    let ExprKind::Call(made) = &mesh.kind else { return None };
+    if made.piped.is_some() || !CENTRED.contains(&made.name.text.as_str()) {
+        return None;
+    }
+    let has = |name: &str| made.args.iter().any(|arg| arg.label.as_ref().is_some_and(|label| label.text == name));
+    if has("center") || made.name.text == "box" && !has("size") {
+        return None;
+    }
+    let mut by = ["0"; 3];
+    for (at, arg) in moves.args.iter().enumerate() {
+        let axis = match &arg.label {
+            Some(label) => ["x", "y", "z"].iter().position(|axis| *axis == label.text)?,
+            None => at,
+        };
+        *by.get_mut(axis)? = place.text_of(arg.value.span);
+    }
+    // Between the brackets and the stage nothing may stand that would be lost or end the line.
+    let bracket = made.span.end.checked_sub(1)?;
+    let last = made.args.last().map(|arg| arg.value.span.end);
+    let rest = place.range(last.unwrap_or(made.name.span.end + 1) as usize, bracket as usize);
+    let stage = place.range(mesh.span.end as usize, moves.span.end as usize);
+    if !place.text_of(rest).trim().is_empty() || place.text_of(stage).contains("//") {
+        return None;
+    }
+    let comma = if last.is_some() { ", " } else { "" };
+    let center = format!("center: ({})", by.join(", "));
+    let at = place.range(bracket as usize, bracket as usize);
+    fix(
+        format!("write `{center}` in `{}`", made.name.text),
+        vec![edit(at, format!("{comma}{center}")), edit(stage, "")],
+    )
+}
+
+/// Whether a statement declares one of these.
+fn is(statement: &Statement, kinds: &[Kind]) -> bool {
+    matches!(statement.kind, StatementKind::Declaration { kind, .. } if kinds.contains(&kind))
+}
+
+/// A stage without arguments behind the mesh that a statement names.
+fn stage_behind(place: &Place<'_>, statement: &Statement, name: &str, whose: &str) -> Option<Fix> {
+    let StatementKind::Declaration { kind, name: _, params, value, with } = &statement.kind else { return None };
+    // What has no material is a light, whose value is no mesh.
+    if *kind != Kind::Mesh && (params.is_some() || with.is_none()) {
+        return None;
+    }
     // A finding that stays is about another use of the same mesh.
-    if matches!(&value.kind, ExprKind::Call(call) if call.name.text == "faceted") {
+    if matches!(&value.kind, ExprKind::Call(call) if call.name.text == name) {
         return None;
     }
     let (start, end) = (value.span.start, end_of(value));
-    let stage = " |> faceted()";
+    let stage = format!(" |> {name}()");
     // What binds more loosely than `|>` gets brackets.
     let whole = matches!(value.kind, ExprKind::Call(_) | ExprKind::Name(_) | ExprKind::Index(_) | ExprKind::Member(..));
     let at = |byte: u32| place.range(byte as usize, byte as usize);
-    let edits =
-        if whole { vec![edit(at(end), stage)] } else { vec![edit(at(start), "("), edit(at(end), format!("){stage}"))] };
-    fix("write `|> faceted()` behind the emitter's mesh", edits)
+    let edits = if whole {
+        vec![edit(at(end), stage.as_str())]
+    } else {
+        vec![edit(at(start), "("), edit(at(end), format!("){stage}"))]
+    };
+    fix(format!("write `|> {name}()` behind {whose}"), edits)
 }
 
 /// Where an expression ends: the span of a condition reaches over the blanks behind it.

@@ -43,7 +43,10 @@ type Maker = fn(&Place<'_>) -> Option<Fix>;
 
 /// The codes that have fixes, by name.
 const MAKERS: &[(&str, Maker)] = &[
-    ("missing-normals", makers::facet_emitter),
+    ("emitter-facing-away", makers::turn_emitter),
+    ("inside-out-mesh", makers::flip_mesh),
+    ("misplaced-mesh", makers::center_mesh),
+    ("missing-normals", makers::facet_mesh),
     ("missing-version", makers::add_version),
     ("reversed-range", makers::swap_interval),
     ("rough-too-small", makers::clamp_alpha),
@@ -74,8 +77,8 @@ pub fn propose(findings: &mut [Finding], sources: &Sources) {
 pub struct Applied {
     /// The text with the edits.
     pub text: String,
-    /// How many fixes are in it.
-    pub fixes: usize,
+    /// Which fixes are in it, counted from 0 in the order in which they were given.
+    pub made: Vec<usize>,
 }
 
 /// Writes fixes into the text of `file`, in their order; one that touches what another changes waits for the next round, and one
@@ -83,9 +86,9 @@ pub struct Applied {
 pub fn apply<'f>(text: &str, file: FileId, fixes: impl Iterator<Item = &'f Fix>) -> Applied {
     // By their starts; no two of them touch.
     let mut taken: BTreeMap<u32, &Edit> = BTreeMap::new();
-    let mut count = 0;
+    let mut made = Vec::new();
     let mut seen = BTreeSet::new();
-    for fix in fixes {
+    for (number, fix) in fixes.enumerate() {
         let here = fix.edits.iter().all(|edit| edit.span.file == file && edit.span.end as usize <= text.len());
         // What touches may need a separator that neither has.
         let clear = |edit: &Edit| {
@@ -95,7 +98,7 @@ pub fn apply<'f>(text: &str, file: FileId, fixes: impl Iterator<Item = &'f Fix>)
             continue;
         }
         taken.extend(fix.edits.iter().map(|edit| (edit.span.start, edit)));
-        count += 1;
+        made.push(number);
     }
     let mut out = String::with_capacity(text.len());
     let mut at = 0;
@@ -105,7 +108,7 @@ pub fn apply<'f>(text: &str, file: FileId, fixes: impl Iterator<Item = &'f Fix>)
         at = edit.span.end as usize;
     }
     out.push_str(text.get(at..).unwrap_or_default());
-    Applied { text: out, fixes: count }
+    Applied { text: out, made }
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use proptest::prelude::*;
 use super::{MAKERS, apply};
 use crate::diag::{Finding, Severity, Sources};
 use crate::files::{MemoryFiles, VPath};
+use crate::lint::Level;
 use crate::pipeline::{self, Options};
 
 const HEADER: &str = "/// A.\n///\n/// B.\nscene a {\n    paths: [\"LDE\"]\n}\n\n\
@@ -16,16 +17,47 @@ const HEADER: &str = "/// A.\n///\n/// B.\nscene a {\n    paths: [\"LDE\"]\n}\n\
 const MESH: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
     element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 3\n1 0 3\n0 1 3\n3 0 2 1\n";
 
+/// A cube whose faces look inwards.
+fn inside_out_cube() -> String {
+    let mut text = "ply\nformat ascii 1.0\nelement vertex 24\nproperty float x\nproperty float y\nproperty float z\n\
+                    property float nx\nproperty float ny\nproperty float nz\nelement face 6\n\
+                    property list uchar int vertex_indices\nend_header\n"
+        .to_owned();
+    for (axis, side) in [(0, 0), (0, 1), (1, 0), (1, 1), (2, 0), (2, 1)] {
+        let mut corners = [[0, 0], [1, 0], [1, 1], [0, 1]];
+        if side == 1 {
+            corners.reverse();
+        }
+        for [u, v] in corners {
+            let mut point = [0; 3];
+            (point[axis], point[(axis + 1) % 3], point[(axis + 2) % 3]) = (side, u, v);
+            let mut normal = [0; 3];
+            normal[axis] = 1 - 2 * side;
+            let numbers: Vec<String> = [point, normal].as_flattened().iter().map(ToString::to_string).collect();
+            text.push_str(&(numbers.join(" ") + "\n"));
+        }
+    }
+    for face in 0..6 {
+        let at = 4 * face;
+        text.push_str(&format!("4 {at} {} {} {}\n", at + 1, at + 2, at + 3));
+    }
+    text
+}
+
 const LIBRARY: &str = "lts 1\n\nlet p = 1\nlet q = 2\nlet r = 3\n";
 
 fn check(text: &str) -> (Vec<Finding>, Sources) {
     let mut files = MemoryFiles::default();
     files.insert("a.lts", text);
     files.insert("mesh.ply", MESH);
+    files.insert("cube.ply", inside_out_cube());
     files.insert("lib.lts", LIBRARY);
     let path = VPath::resolve("", "a.lts").expect("a path");
     let mut sources = Sources::default();
-    let checked = pipeline::check(&files, &mut sources, &path, &Options::default());
+    let mut options = Options::default();
+    // It is off unless asked for.
+    options.levels.set("misplaced-mesh", Level::Warn).expect("a rule");
+    let checked = pipeline::check(&files, &mut sources, &path, &options);
     (checked.findings, sources)
 }
 
@@ -34,7 +66,7 @@ fn once(text: &str) -> (String, usize) {
     let (findings, sources) = check(text);
     let file = sources.find("a.lts").expect("the text");
     let applied = apply(text, file, findings.iter().filter_map(|finding| finding.fix.as_ref()));
-    (applied.text, applied.fixes)
+    (applied.text, applied.made.len())
 }
 
 /// All rounds.
@@ -76,7 +108,72 @@ const CASES: &[(&str, &str, &str)] = &[
     (
         "missing-normals",
         "shape b = file(\"mesh.ply\") with diffuse(0.5)",
-        "shape b = file(\"mesh.ply\") with diffuse(0.5)",
+        "shape b = file(\"mesh.ply\") |> faceted() with diffuse(0.5)",
+    ),
+    (
+        "missing-normals",
+        "mesh part = file(\"mesh.ply\")  // flat\nshape b = part with diffuse(0.5)\nemitter c = part |> translate(z: 1) with radiance(1)",
+        "mesh part = file(\"mesh.ply\") |> faceted()  // flat\nshape b = part with diffuse(0.5)\nemitter c = part |> translate(z: 1) with radiance(1)",
+    ),
+    (
+        "missing-normals",
+        "mesh part(at: number) = file(\"mesh.ply\") |> translate(x: at)\nshape b = part(2) with diffuse(0.5)",
+        "mesh part(at: number) = file(\"mesh.ply\") |> translate(x: at) |> faceted()\nshape b = part(2) with diffuse(0.5)",
+    ),
+    (
+        "inside-out-mesh",
+        "shape b = box(size: 1) |> flip() |> translate(z: 2) with diffuse(0.5)",
+        "shape b = box(size: 1) |> flip() |> translate(z: 2) |> flip() with diffuse(0.5)",
+    ),
+    (
+        "inside-out-mesh",
+        "group room { shape b = file(\"cube.ply\") with diffuse(0.5) }\ninstance r = room",
+        "group room { shape b = file(\"cube.ply\") |> flip() with diffuse(0.5) }\ninstance r = room",
+    ),
+    (
+        "inside-out-mesh",
+        "for i in 0..1 { shape b = if i == 0 then box(size: 1) else file(\"cube.ply\") with diffuse(0.5) }",
+        "for i in 0..1 { shape b = if i == 0 then box(size: 1) else file(\"cube.ply\") with diffuse(0.5) }",
+    ),
+    (
+        "emitter-facing-away",
+        "emitter b = rectangle(x: 0..1, y: 0..1, z: 9, normal: Z) with radiance(1)  // up",
+        "emitter b = rectangle(x: 0..1, y: 0..1, z: 9, normal: Z) |> flip() with radiance(1)  // up",
+    ),
+    (
+        "emitter-facing-away",
+        "for i in 0..1 { emitter b = rectangle(x: 0..1, y: 0..1, z: 9 + i, normal: Z) with radiance(1) }",
+        "for i in 0..1 { emitter b = rectangle(x: 0..1, y: 0..1, z: 9 + i, normal: Z) with radiance(1) }",
+    ),
+    (
+        "emitter-facing-away",
+        "emitter b = spot(position: (0, 0, 9), target: (0, 0, 10), intensity: 1, angle: 20deg)",
+        "emitter b = spot(position: (0, 0, 9), target: (0, 0, 10), intensity: 1, angle: 20deg)",
+    ),
+    (
+        "misplaced-mesh",
+        "let up = 2\nshape b = box(size: 1) |> translate(0.5, z: 3 * up) with diffuse(0.5)",
+        "let up = 2\nshape b = box(size: 1, center: (0.5, 0, 3 * up)) with diffuse(0.5)",
+    ),
+    (
+        "misplaced-mesh",
+        "shape b = sphere()\n    |> translate(y: 4)  // behind\n    with mirror(0.9)",
+        "shape b = sphere(center: (0, 4, 0))  // behind\n    with mirror(0.9)",
+    ),
+    (
+        "misplaced-mesh",
+        "shape b = box(size: 1) |> translate(by: (0, 0, 3)) with diffuse(0.5)",
+        "shape b = box(size: 1) |> translate(by: (0, 0, 3)) with diffuse(0.5)",
+    ),
+    (
+        "misplaced-mesh",
+        "shape b = box(size: 1, center: (0, 1, 0)) |> translate(z: 3) with diffuse(0.5)",
+        "shape b = box(size: 1, center: (0, 1, 0)) |> translate(z: 3) with diffuse(0.5)",
+    ),
+    (
+        "misplaced-mesh",
+        "shape b = box(\n    size: 1,  // one\n) |> translate(z: 3) with diffuse(0.5)",
+        "shape b = box(\n    size: 1,  // one\n) |> translate(z: 3) with diffuse(0.5)",
     ),
     (
         "rough-too-small",
@@ -163,7 +260,7 @@ fn fixes_that_meet_wait_for_each_other() {
         fix(vec![of(file, 4, 5, "E"), of(file, 0, 0, "<")]),
     ];
     let applied = apply("abcdef", file, fixes.iter());
-    assert_eq!((applied.text.as_str(), applied.fixes), ("<abdEf", 2));
+    assert_eq!((applied.text.as_str(), applied.made), ("<abdEf", vec![0, 4]));
 }
 
 #[test]
@@ -175,7 +272,7 @@ fn many_fixes_are_one_round() {
     let (findings, sources) = check(&text);
     let file = sources.find("a.lts").expect("the text");
     let applied = apply(&text, file, findings.iter().filter_map(|finding| finding.fix.as_ref()));
-    assert_eq!((applied.fixes, applied.text), (2001, format!("lts 1\n\n{}", text.replace("2..1", "1..2"))));
+    assert_eq!((applied.made.len(), applied.text), (2001, format!("lts 1\n\n{}", text.replace("2..1", "1..2"))));
 }
 
 /// Statements that may stand in any order.
@@ -213,7 +310,7 @@ proptest! {
         prop_assert!(errors(&after) <= errors(&before), "{}\n{:#?}", done, after);
         prop_assert!(after.iter().all(|finding| finding.fix.is_none()), "{}\n{:#?}", done, after);
         // Comments, and every line without a finding, are there in their order.
-        let touched = |line: &&str| ["sphere(", "ball", "mesh.ply", "alpha:", "-2.50", "allow ", "lts 1"].iter().any(|part| line.contains(part)) || line.is_empty();
+        let touched = |line: &&str| ["sphere(", "ball", "mesh.ply", "alpha:", "-2.50", "allow ", "lts 1", "normal: Z) with radiance", "translate(", "flip()", "cube.ply", "part"].iter().any(|part| line.contains(part)) || line.is_empty();
         let rest = |text: &str| text.lines().filter(|line| !touched(line)).map(str::to_owned).collect::<Vec<_>>();
         prop_assert_eq!(rest(&text), rest(&done));
     }

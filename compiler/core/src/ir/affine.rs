@@ -1,5 +1,7 @@
 //! Affine transforms in double precision, and the few vector operations that the Scene needs.
 
+use super::degrees::sin_cos_degrees;
+
 /// A point or a direction.
 pub type Vec3 = [f64; 3];
 
@@ -140,23 +142,6 @@ impl Affine {
     fn linear(&self) -> [Vec3; 3] {
         self.rows.map(|r| [r[0], r[1], r[2]])
     }
-}
-
-/// Sine and cosine of an angle in degrees, exact at multiples of 90.
-pub(crate) fn sin_cos_degrees(degrees: f64) -> (f64, f64) {
-    let turn = degrees % 360.0;
-    let quarter = turn / 90.0;
-    if quarter.fract() == 0.0 {
-        // -4..=4 after the remainder.
-        return match (quarter + 4.0) as i64 % 4 {
-            0 => (0.0, 1.0),
-            1 => (1.0, 0.0),
-            2 => (0.0, -1.0),
-            _ => (-1.0, 0.0),
-        };
-    }
-    let radians = turn.to_radians();
-    (libm::sin(radians), libm::cos(radians))
 }
 
 #[cfg(test)]

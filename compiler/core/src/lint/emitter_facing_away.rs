@@ -2,7 +2,7 @@
 #![doc = include_str!("emitter_facing_away.md")]
 
 use super::{Level, Report, Rule, Subject};
-use crate::ir::{LightKind, Scene, Shape, Vec3, dot, length, sub};
+use crate::ir::{LightKind, Vec3, dot, length, sub};
 use crate::mesh::face_normal;
 use crate::survey::{Bounds, Placed, Survey};
 
@@ -24,8 +24,12 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
     let (Some(bounds), false) = (survey.bounds, survey.cut) else { return };
     let clear = CLEAR * (1.0 + bounds.reach());
     let note = "it emits on the side of its normals only: nothing receives its light, and no camera sees it shine";
+    // Most emitters are black, and receive nothing.
+    let receiving: Vec<bool> = scene.materials.values().map(|material| !material.bsdf.is_black()).collect();
+    let receives = |placed: &&Placed<'_>| receiving.get(placed.shape.material.index()).copied().unwrap_or(false);
+    let receivers: Vec<&Placed<'_>> = survey.placed.iter().filter(receives).collect();
     for placed in survey.placed.iter().filter(|placed| placed.shape.emission.is_some()) {
-        if has_something_in_front(survey, placed, clear) {
+        if has_something_in_front(survey, placed, &receivers, clear) {
             continue;
         }
         report.add(
@@ -53,21 +57,15 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
 }
 
 /// Whether another surface that scatters light, or a camera, lies in front of a triangle of the emitter.
-fn has_something_in_front(survey: &Survey<'_>, emitter: &Placed<'_>, clear: f64) -> bool {
-    let scene = survey.scene;
-    let receivers =
-        || survey.placed.iter().filter(|other| !std::ptr::eq(*other, emitter) && receives(scene, other.shape));
+fn has_something_in_front(survey: &Survey<'_>, emitter: &Placed<'_>, receivers: &[&Placed<'_>], clear: f64) -> bool {
     survey.triangles(emitter).any(|triangle| {
         let Some(normal) = face_normal(triangle) else { return false };
         let level = dot(normal, triangle[0]) + clear;
-        scene.cameras.values().any(|camera| dot(normal, camera.eye) > level)
-            || receivers().any(|other| reaches(survey, other, normal, level))
+        let cameras = &survey.scene.cameras;
+        let mut others = receivers.iter().filter(|other| !std::ptr::eq(**other, emitter));
+        cameras.values().any(|camera| dot(normal, camera.eye) > level)
+            || others.any(|other| reaches(survey, other, normal, level))
     })
-}
-
-/// Whether a surface scatters light: most emitters are black.
-fn receives(scene: &Scene, shape: &Shape) -> bool {
-    scene.materials.values().nth(shape.material.index()).is_some_and(|material| !material.bsdf.is_black())
 }
 
 /// Whether a part of a surface lies beyond the plane `normal . x = level`.

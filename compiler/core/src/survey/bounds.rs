@@ -45,6 +45,13 @@ impl Bounds {
         (0..3).all(|axis| low[axis] <= high[axis]).then_some(Self { low, high })
     }
 
+    /// Whether both have something in common, a point at least.
+    #[inline]
+    pub fn touches(self, other: Self) -> bool {
+        // Without branches: which of the six fails first cannot be foreseen.
+        (0..3).fold(true, |so, axis| so & (self.low[axis] <= other.high[axis]) & (other.low[axis] <= self.high[axis]))
+    }
+
     /// The box with `by` added on every side.
     pub fn grown(self, by: f64) -> Self {
         Self { low: self.low.map(|x| x - by), high: self.high.map(|x| x + by) }
@@ -112,7 +119,12 @@ mod tests {
             assert!(turned.grown(1e-12).contains(map.point(corner)));
         }
         assert_eq!(own.transformed(&Affine::IDENTITY), own);
-        assert!(own.common(Bounds { low: [3.0, 0.0, 0.0], high: [4.0; 3] }).is_some());
-        assert!(own.common(Bounds { low: [3.1, 0.0, 0.0], high: [4.0; 3] }).is_none());
+        for (x, touches) in [(3.0, true), (3.1, false), (-9.0, true)] {
+            let other = Bounds { low: [x, 0.0, 0.0], high: [4.0; 3] };
+            assert_eq!(
+                (own.common(other).is_some(), own.touches(other), other.touches(own)),
+                (touches, touches, touches)
+            );
+        }
     }
 }

@@ -34,7 +34,7 @@ impl Survey<'_> {
     pub fn blocked(&self, from: Vec3, to: Vec3) -> bool {
         let way = sub(to, from);
         let boxed = Bounds { low: pick(from, to, f64::min), high: pick(from, to, f64::max) };
-        let near = self.placed.iter().filter(|placed| placed.bounds.common(boxed).is_some());
+        let near = self.placed.iter().filter(|placed| placed.bounds.touches(boxed));
         let mut near: Vec<_> = near.filter(|placed| meets_box(placed.bounds, from, way)).collect();
         // Walls and panes first: they hide most, and are looked through at once.
         near.sort_by_key(|placed| self.scene.meshes[placed.shape.mesh].triangles.len());

@@ -11,7 +11,7 @@ mod parse;
 mod split;
 mod tree;
 
-pub use parse::{Cut, header, parse};
+pub use parse::{Cut, header, parse, uses};
 pub use tree::{
     Arg, Binary, Call, Clause, Expr, ExprKind, Field, Kind, Name, Param, Statement, StatementKind, Tree, Type, Unary,
 };

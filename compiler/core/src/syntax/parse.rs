@@ -168,15 +168,24 @@ pub fn header(file: FileId, text: &str) -> Option<Tree> {
     header_of(file, top).or_else(|| (top.len() < text.len()).then(|| header_of(file, text)).flatten())
 }
 
-fn header_of(file: FileId, text: &str) -> Option<Tree> {
-    let is_header = |piece: &&std::ops::Range<usize>| {
-        let mut lines = text[(*piece).clone()].lines().map(str::trim_start);
-        let first = lines.find(|line| !line.is_empty() && !line.starts_with("//"));
-        let rest = first.and_then(|line| line.strip_prefix("scene"));
-        rest.is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_'))
-    };
+/// Whether a piece begins with `word`, comments aside.
+fn begins(piece: &str, word: &str) -> bool {
+    let mut lines = piece.lines().map(str::trim_start);
+    let first = lines.find(|line| !line.is_empty() && !line.starts_with("//"));
+    let rest = first.and_then(|line| line.strip_prefix(word));
+    rest.is_some_and(|rest| !rest.starts_with(|c: char| c.is_ascii_alphanumeric() || c == '_'))
+}
+
+/// The `use` statements of a file, and nothing else of it; broken ones are left out.
+pub fn uses(file: FileId, text: &str) -> Tree {
     let pieces = split(text).pieces;
-    let piece = pieces.iter().find(is_header)?.clone();
+    let pieces = pieces.iter().filter(|piece| begins(&text[(*piece).clone()], "use"));
+    Tree { file, statements: pieces.flat_map(|piece| parse_piece(file, text, piece).statements).collect() }
+}
+
+fn header_of(file: FileId, text: &str) -> Option<Tree> {
+    let pieces = split(text).pieces;
+    let piece = pieces.iter().find(|piece| begins(&text[(*piece).clone()], "scene"))?.clone();
     let pairs = Grammar::parse(Rule::file, &text[piece.clone()]).ok()?;
     let mut builder = Builder::new(file, piece.start, text);
     let statements = builder.file(pairs);

@@ -2,6 +2,7 @@
 
 use crate::mesh::{self, Hole};
 
+use super::super::numeric::LANES;
 use super::super::value::{Ty, Value};
 use super::meshes::{finish, points, problem};
 use super::{Args, Constructor, Family, Parameter, Problem, Site};
@@ -227,15 +228,25 @@ fn field(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     let field = mesh::Field::new(interval(args, "x")?, interval(args, "y")?, counts).map_err(problem)?;
     site.afford("vertices", 2 * u128::from(counts.0 - 1) * u128::from(counts.1 - 1))?;
     let mut heights = Vec::new();
-    for (x, y) in field.places() {
-        let values = vec![Value::Number(x), Value::Number(y)];
-        match site.host.apply(function, values, site.span) {
-            Ok(Value::Number(z)) => heights.push(z),
-            Ok(other) => {
-                let message = format!("the function gives {}, not a number", other.kind());
-                return Err(Problem::new("height", message).id("type-mismatch"));
+    let mut places = field.places().map(|(x, y)| [x, y]);
+    loop {
+        let some: Vec<[f64; 2]> = places.by_ref().take(LANES).collect();
+        if some.is_empty() {
+            break;
+        }
+        if let Some(many) = site.host.apply_many(function, &some) {
+            heights.extend(many);
+            continue;
+        }
+        for place in some {
+            match site.host.apply(function, place.map(Value::Number).to_vec(), site.span) {
+                Ok(Value::Number(z)) => heights.push(z),
+                Ok(other) => {
+                    let message = format!("the function gives {}, not a number", other.kind());
+                    return Err(Problem::new("height", message).id("type-mismatch"));
+                }
+                Err(_) => return Err(Problem::reported()),
             }
-            Err(_) => return Err(Problem::reported()),
         }
     }
     finish(mesh::height_field(field, &heights), site)

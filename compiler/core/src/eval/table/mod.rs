@@ -268,6 +268,10 @@ pub(super) trait Host {
     /// Calls a user's function with as many values as it has parameters, each of its parameter's type; errors are
     /// reported with the call at `span`.
     fn apply(&mut self, function: &Rc<Function>, values: Vec<Value>, span: Span) -> Result<Value, Reported>;
+
+    /// The numbers that a user's function of two numbers has at up to [`super::numeric::LANES`] places; none, and nothing is done or reported,
+    /// where [`Host::apply`] is to be asked one by one.
+    fn apply_many(&mut self, function: &Rc<Function>, places: &[[f64; 2]]) -> Option<Vec<f64>>;
 }
 
 /// What a constructor may see of the place where it is called.

@@ -65,7 +65,17 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>, beside: &mut Beside<'_>) ->
 
 /// The JSON and the binary chunk (glTF 2.0, 4.4).
 fn container(bytes: &[u8]) -> Result<(&[u8], &[u8]), FileError> {
-    let Some(rest) = bytes.strip_prefix(b"glTF") else { return Ok((bytes, &[])) };
+    let Some(rest) = bytes.strip_prefix(b"glTF") else {
+        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+        return match text.trim_ascii_start().first() {
+            Some(b'{') => Ok((bytes, &[])),
+            Some(_) => {
+                Err(FileError::new("byte 0", "the file begins neither with `glTF`, as a binary one, nor with `{`")
+                    .help("is this a glTF file?"))
+            }
+            None => Err(FileError::new("", "the file is empty")),
+        };
+    };
     let cut = |what: &str| FileError::new("", format!("the file ends within {what}")).help("the file is cut off");
     let number = |at: usize| rest.get(at..).and_then(<[u8]>::first_chunk::<4>).map(|bytes| u32::from_le_bytes(*bytes));
     let (Some(version), Some(_length)) = (number(0), number(4)) else { return Err(cut("its header")) };

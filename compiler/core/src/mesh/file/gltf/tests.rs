@@ -233,7 +233,11 @@ fn faults_are_found() {
     let mut length = good.clone();
     length[8..12].copy_from_slice(&[0; 4]);
     assert!(read_parts("glb", &length, &mut alone).is_ok(), "the length of the whole says nothing that is needed");
-    assert!(fault(b"").contains("malformed"));
+    assert_eq!(fault(b""), "the file is empty");
+    for garbage in [&b"PK\x03\x04zip"[..], b"\xff\xd8\xff", b"[1]", b"\xef\xbb\xbf \n<xml>", b"glt"] {
+        assert!(fault(garbage).contains("begins neither with `glTF`"), "{}", fault(garbage));
+    }
+    assert!(fault(b"\xef\xbb\xbf \n{").contains("the JSON is malformed"), "{}", fault(b"{"));
     assert!(fault(b"{}").contains("missing") || fault(b"{}").contains("malformed"), "{}", fault(b"{}"));
     let words = |change: &dyn Fn(&mut Value), words: &str| {
         let message = fault(&changed(change));
