@@ -12,8 +12,10 @@ use crate::image::Image;
 const STEP: f64 = 8.0;
 /// The most exposures before the range is covered: 8^9 is a range of 10^8.
 const MOST: usize = 10;
-/// The most exposures between neighbours in which an image that costs little is refined.
-const FINEST: usize = 8;
+/// The most exposures from a neighbour to the next where an image that costs little is refined. Over values from 0.1 to 30
+/// the largest error is 1.05 % with 1, 0.69 % with 2, 0.54 % with 4, 0.43 % with 8, and its root mean square 0.68, 0.41,
+/// 0.26, 0.15 % (computed).
+const FINEST: usize = 4;
 /// Camera samples, over all exposures, up to which an image counts as one that costs little: rs_pbrt needs 3 s for them.
 const CHEAP: u64 = 1 << 20;
 /// How well a channel should be known, as a share of it, and below which share of the image's mean it need not be known.
@@ -273,9 +275,9 @@ pub(crate) mod tests {
         let values: Vec<f32> = (0..300).map(|i| 0.01 * 1.03_f32.powi(i)).collect();
         let coarse = expose(&values, 1_000_000);
         let fine = expose(&values, 16);
-        assert!(fine.error() < 0.35 * coarse.error(), "{} {}", fine.error(), coarse.error());
+        assert!(fine.error() < 0.6 * coarse.error(), "{} {}", fine.error(), coarse.error());
         for (found, value) in found(&fine).into_iter().zip(&values).filter(|(_, value)| **value > 0.1) {
-            assert!((found / value - 1.0).abs() < 0.0025, "{found} instead of {value}");
+            assert!((found / value - 1.0).abs() < 0.0055, "{found} instead of {value}");
         }
     }
 

@@ -188,7 +188,7 @@ fn rs_pbrt_gives_the_full_range_by_exposures() {
     stage.request.threads = Some(300);
     let (rendered, news) = stage.render().expect("an image");
     for (found, wanted) in rendered.image.pixels.iter().flatten().zip(picture().pixels.iter().flatten()) {
-        assert!((found / wanted - 1.0).abs() < 0.004, "{found} instead of {wanted}");
+        assert!((found / wanted - 1.0).abs() < 0.0055, "{found} instead of {wanted}");
     }
     assert_eq!(rendered.renderer_version, "0.9.12");
     let fact = |name: &str| rendered.facts.iter().find(|(known, _)| known == name).map(|(_, value)| value.clone());
@@ -238,6 +238,44 @@ fn rs_pbrt_must_repeat_itself_and_leave_its_image() {
     }
     let other = Stage::new("rs-pbrt", "rs_pbrt", PBRT, &RS_PBRT.replace("0.9.12", "0.9.11"));
     assert!(other.fails().tail()[0].contains("only 0.9.12 is known"), "{:?}", other.fails().tail());
+}
+
+#[test]
+fn rs_pbrt_is_given_no_image_that_it_would_misread() {
+    let texture = |file: &str| format!("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" [\"{file}\"]\n");
+    let sky = |file: &str| format!("LightSource \"infinite\" \"rgb L\" [1 1 1] \"string mapname\" [\"{file}\"]\n");
+    for (line, right) in [
+        (texture("oak.png"), true),
+        (texture("oak.JPG"), true),
+        (texture("oak.pfm"), false),
+        (texture("oak.exr"), false),
+        (sky("sky.hdr"), true),
+        (sky("sky.exr"), false),
+    ] {
+        let stage = Stage::new("rs-pbrt", "rs_pbrt", &format!("{PBRT}{line}"), RS_PBRT);
+        exposures(&stage, &picture());
+        let refused = matches!(stage.render().map(|_| ()), Err(RenderError::Request { .. }));
+        assert_eq!(refused, !right, "{line}");
+    }
+}
+
+#[test]
+fn rs_pbrt_is_given_no_group_twice_and_tells_its_defects() {
+    let render = |more: &str| {
+        let stage = Stage::new("rs-pbrt", "rs_pbrt", &format!("{PBRT}{more}"), RS_PBRT);
+        exposures(&stage, &picture());
+        stage.render().map(|(rendered, _)| rendered.facts)
+    };
+    let defects = |more: &str| {
+        let facts = render(more).expect("an image");
+        facts.into_iter().find(|(name, _)| name == "defects").map(|(_, what)| what)
+    };
+    let glass = "MakeNamedMaterial \"a\" \"string type\" [\"glass\"] \"float eta\" [1.5]";
+    assert_eq!(defects(&format!("ObjectInstance \"a\"\n\tObjectInstance \"b\"\n{glass}\n")), None);
+    assert!(defects(&format!("{glass} \"float uroughness\" [0.1]\n")).is_some_and(|what| what.contains("rough glass")));
+    assert!(defects("Material \"disney\"\n").is_some_and(|what| what.contains("principled")));
+    let error = render("ObjectInstance \"a\"\n\tObjectInstance \"a\"\n").expect_err("a group twice");
+    assert!(error.to_string().contains("the group \"a\" is used more than once"), "{error}");
 }
 
 #[test]

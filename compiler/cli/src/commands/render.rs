@@ -65,6 +65,9 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
         if bad > 0 {
             terminal::say(&format!("warning: {bad} pixels are infinite or not a number"));
         }
+        for (_, what) in rendered.facts.iter().filter(|(name, _)| name == "defects") {
+            terminal::say(&format!("warning: {} is known to render this otherwise: {what}", driver.name));
+        }
         terminal::say(&format!(
             "{} written: {} {}, {} samples, {:.1} s",
             command.output.display(),
