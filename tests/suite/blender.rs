@@ -9,6 +9,8 @@ use ltsc_core::survey::Survey;
 use ltsc_core::valid::Valid;
 use serde_json::Value;
 
+use super::micro::{self, THINGS};
+use super::render::room_text;
 use super::{Disk, ltsc, prepared, python, root, run, scenes, skip};
 
 /// Prints a line of JSON for each file: what Blender has after the import. Instances count one by one.
@@ -144,6 +146,15 @@ fn every_scene_is_imported_as_it_is() {
             files.push(out.join(format!("{}.{form}", scene.name)));
         }
         cases.push((scene, files));
+    }
+    for (name, thing) in THINGS {
+        let file = folder.path().join(format!("{name}.lts"));
+        std::fs::write(&file, room_text(name, 6, thing)).expect("a write");
+        let out = folder.path().join(name);
+        let option = ["--target", "glb", "--option", "glb.instancing", "-o"];
+        let emit = run(ltsc().arg("emit").arg(&file).args(option).arg(&out));
+        assert_eq!(emit.code, Some(0), "{}", emit.err);
+        cases.push((micro::scene(name, thing), vec![out.join(format!("{name}.glb"))]));
     }
     let files: Vec<&PathBuf> = cases.iter().flat_map(|(_, files)| files).collect();
     let output = Command::new(python).args(["-I", "-c", SCRIPT]).args(&files).output().expect("Python starts");

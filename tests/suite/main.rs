@@ -1,14 +1,19 @@
 //! Tests of the whole: the house itself, the binary as people use it, and real renderers.
 
+mod agree;
+mod audit;
 mod blender;
 mod cases;
 mod cli;
+mod conventions;
 mod fixes;
 mod format;
 mod gallery;
 mod geometry;
 mod gltf;
 mod golden;
+mod ledger;
+mod micro;
 mod mitsuba;
 mod mutations;
 mod outputs;

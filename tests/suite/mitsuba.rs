@@ -222,20 +222,20 @@ const SNAKE: &[(&str, &str, &str, &str)] = &[
 
 /// An element with what lies in it.
 #[derive(Debug)]
-struct Element {
-    tag: String,
+pub struct Element {
+    pub tag: String,
     attributes: Vec<(String, String)>,
-    inner: Vec<Element>,
+    pub inner: Vec<Element>,
 }
 
 impl Element {
-    fn get(&self, name: &str) -> Option<&str> {
+    pub fn get(&self, name: &str) -> Option<&str> {
         self.attributes.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 }
 
 /// Reads the XML that ltsc writes, which has no text between tags; any other is a panic.
-fn parse(text: &str) -> Element {
+pub fn parse(text: &str) -> Element {
     let mut rest = text.strip_prefix("<?xml version=\"1.0\" encoding=\"utf-8\"?>").expect("a declaration").trim_start();
     let mut open: Vec<Element> = Vec::new();
     let mut root = None;

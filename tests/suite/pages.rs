@@ -10,6 +10,19 @@ fn the_catalogue_is_what_ltsc_says() {
     assert_eq!(ran.code, Some(0), "run `cargo run -- doc`\n{}{}", ran.out, ran.err);
 }
 
+#[test]
+fn one_scene_leaves_the_pages_of_others_alone() {
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["README.md", "other.md"] {
+        fs::write(folder.path().join(name), "*Written by `ltsc doc`; do not edit.*\n").expect("a page");
+    }
+    let ran = run(ltsc().args(["doc", "scenes-src/ring.lts", "-o"]).arg(folder.path()));
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let text = |name: &str| fs::read_to_string(folder.path().join(name)).expect("a page");
+    assert!(text("ring.md").contains("# ring") && text("other.md").lines().count() == 1);
+    assert_eq!(text("README.md").lines().count(), 1);
+}
+
 /// The cells of a row without the time, which differs between machines.
 fn timeless(row: &str) -> Vec<&str> {
     row.split('|').enumerate().filter(|(at, _)| *at != 2).map(|(_, cell)| cell.trim()).collect()

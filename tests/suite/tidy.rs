@@ -29,11 +29,26 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("capability", &["ir", "mesh", "diag"]),
     ("formats", &["ir", "mesh", "survey", "valid", "capability", "diag", "files"]),
     ("ledger", &["capability", "diag", "formats", "ir"]),
+    ("audit", &["capability", "diag", "files", "formats", "ir", "mesh"]),
     ("catalogue", &["ir", "survey"]),
     ("manual", &["capability", "diag", "eval", "formats", "ir", "lint", "syntax"]),
     (
         "pipeline",
-        &["capability", "diag", "eval", "files", "fix", "formats", "ir", "ledger", "lint", "lower", "syntax", "valid"],
+        &[
+            "audit",
+            "capability",
+            "diag",
+            "eval",
+            "files",
+            "fix",
+            "formats",
+            "ir",
+            "ledger",
+            "lint",
+            "lower",
+            "syntax",
+            "valid",
+        ],
     ),
 ];
 

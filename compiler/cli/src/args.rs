@@ -92,6 +92,15 @@ pub enum Command {
         after_help = "Examples:\n  ltsc emit scenes-src/ring.lts --target pbrt\n  ltsc emit ring.lts --target glb -o /tmp/ring --width 128 --height 128\n  ltsc emit ring.lts --target glb --option glb.instancing\n  ltsc emit --target mitsuba-3"
     )]
     Emit(Emit),
+    /// Read generated files back from their text and compare them with the scene: light, materials, camera, depth, size.
+    ///
+    /// `build` and `emit` do the same with what they write, and keep nothing that differs. This is for files that are there: it
+    /// prints what each target's files say beside what the scene says, and exits with 1 where they differ. Without PATH the scenes
+    /// of the project that the current folder belongs to.
+    #[command(
+        after_help = "Examples:\n  ltsc audit\n  ltsc audit scenes-src/ring.lts --target pbrt-v4,luxcore\n  ltsc audit scenes-src/ring.lts --format json\n  ltsc audit ring.lts --target gltf --folder ring-gltf    (a folder that `emit` wrote)"
+    )]
+    Audit(Audit),
     /// Render a scene with a real renderer to a linear 32-bit EXR.
     #[command(
         after_help = "Examples:\n  ltsc renderers install mitsuba-3\n  ltsc render scenes-src/cbox_classic.lts --renderer mitsuba-3 --samples 512 -o a.exr\n  ltsc render cbox_classic.lts --renderer luxcore --width 128 --height 128 -o b.exr\n  ltsc render cbox_classic.lts --renderer pbrt-v3 --executable ~/pbrt-v3/build/pbrt -o c.exr"
@@ -102,8 +111,26 @@ pub enum Command {
         after_help = "Examples:\n  ltsc diff a.exr b.exr\n  ltsc diff reference.exr b.exr --reduce -o difference\n  ltsc diff a.exr b.exr --tolerance 0.02 --format json"
     )]
     Diff(Diff),
+    /// Say whether renderers agree on scenes, beyond the noise of their images.
+    ///
+    /// Renders each scene in each renderer with several seeds, and compares them in pairs: the means, and the tiles of an 8 x 8 grid
+    /// against the noise that the seeds show. With `--record` the results are kept, and a page is made of them.
+    #[command(
+        after_help = "Examples:\n  ltsc agree scenes-src/ring.lts\n  ltsc agree scenes-src/ring.lts --renderer mitsuba-3,cycles --seeds 8 --samples 128\n  ltsc agree --keep images --record docs/agreement.json\n  ltsc agree --check --record docs/agreement.json    (exit 1 where the page is not what the record says)"
+    )]
+    Agree(Agree),
     /// List and install renderers.
     Renderers(Renderers),
+    /// Measure what renderers mean by a scene, by micro-scenes whose answer is known.
+    ///
+    /// Each isolates one convention: the axis of the field of view, the side that a lamp shines from, how the depth of paths
+    /// is counted, Fresnel terms, and so on. The answer is a formula, a quadrature, or a measurement that says of what. A row
+    /// `holds`, is `approximate` (off by no more than what is said of the target), `unsupported` (said not to be there) or `fails`; if one
+    /// fails, the exit code is 1.
+    #[command(
+        after_help = "Examples:\n  ltsc conventions --list\n  ltsc conventions --renderer mitsuba-3\n  ltsc conventions --renderer luxcore --only path_depth,conductor_alpha\n  ltsc conventions --renderer cycles --executable blender --format json\n  ltsc conventions --renderer mitsuba-3,luxcore,cycles -o docs   (keeps the numbers, writes docs/renderers.md)\n  ltsc conventions -o docs --stored --check   (exit 1 where the page is not what the stored numbers say)"
+    )]
+    Conventions(Conventions),
     /// Explain a finding, a constructor of the language, or a target.
     #[command(
         after_help = "Examples:\n  ltsc explain smooth-emitter\n  ltsc explain diffuse\n  ltsc explain --target luxcore\n  ltsc explain            (lists what can be explained)"
@@ -155,6 +182,14 @@ pub struct Findings {
     /// Files are read below this folder only [default: the project's root].
     #[arg(long, value_name = "DIR", env = "LTSC_ROOT")]
     pub root: Option<PathBuf>,
+}
+
+impl Findings {
+    /// For people, with the project's levels.
+    fn plain(limits: Limits, root: Option<PathBuf>) -> Self {
+        let (allow, warn, deny) = (Vec::new(), Vec::new(), Vec::new());
+        Self { format: Format::Human, allow, warn, deny, no_allow: false, limits, root }
+    }
 }
 
 /// How large scenes may become.
@@ -285,6 +320,25 @@ pub struct Emit {
 }
 
 #[derive(Args, Debug)]
+pub struct Audit {
+    /// Scene files, or folders with scenes.
+    pub paths: Vec<PathBuf>,
+    /// Only these targets [default: those of ltsc.toml, else all, as far as they were generated].
+    #[arg(long, value_name = "TARGET", value_delimiter = ',')]
+    pub target: Vec<String>,
+    /// Where scenes were generated [default: that of ltsc.toml, else `generated` beside the scenes].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// A folder that `emit` wrote, for one scene and one target.
+    #[arg(long, value_name = "DIR", conflicts_with = "output")]
+    pub folder: Option<PathBuf>,
+    #[command(flatten)]
+    pub settings: Settings,
+    #[command(flatten)]
+    pub findings: Findings,
+}
+
+#[derive(Args, Debug)]
 pub struct Render {
     /// The scene file.
     pub scene: PathBuf,
@@ -349,6 +403,76 @@ pub struct Diff {
 }
 
 #[derive(Args, Debug)]
+pub struct Agree {
+    /// Scene files, or folders with scenes [default: those of the project].
+    pub scenes: Vec<PathBuf>,
+    /// The renderers [default: those of mitsuba-3, luxcore and cycles that are there].
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub renderer: Vec<String>,
+    /// Images of each renderer.
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=64))]
+    pub seeds: u32,
+    /// The first seed.
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=10_000))]
+    pub first_seed: u32,
+    /// Samples per pixel of each image.
+    #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..))]
+    pub samples: u32,
+    /// Width and height of the images in pixels.
+    #[arg(long, value_name = "PIXELS", default_value_t = 128, value_parser = clap::value_parser!(u32).range(8..=4096))]
+    pub size: u32,
+    /// The value of a parameter that the scene declares by `param`; may be given several times.
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// A folder with images to compare with: SCENE.exr, or SCENE-0.exr, SCENE-1.exr ... with several seeds.
+    #[arg(long, value_name = "DIR")]
+    pub reference: Option<PathBuf>,
+    /// What the reference is, for the page.
+    #[arg(long, value_name = "TEXT", requires = "reference")]
+    pub reference_name: Option<String>,
+    /// Keep the images in this folder, and take from it what was rendered before.
+    #[arg(long, value_name = "DIR")]
+    pub keep: Option<PathBuf>,
+    /// Put the results into this record, and write its page beside it.
+    #[arg(long, value_name = "FILE.json")]
+    pub record: Option<PathBuf>,
+    /// Render nothing; exit with 1 where the page of the record is not what it would become.
+    #[arg(long, requires = "record")]
+    pub check: bool,
+    /// Stop a renderer after this many seconds for one image.
+    #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
+    pub timeout: u64,
+    /// How the result is printed; `sarif` and `github`, which are for findings, give the form for people.
+    #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
+    pub format: Format,
+    #[command(flatten)]
+    pub limits: Limits,
+    /// Files are read below this folder only [default: the project's root].
+    #[arg(long, value_name = "DIR", env = "LTSC_ROOT")]
+    pub root: Option<PathBuf>,
+}
+
+impl Agree {
+    /// How findings are shown: to people, with the project's levels.
+    pub fn findings(&self) -> Findings {
+        Findings::plain(self.limits.clone(), self.root.clone())
+    }
+
+    /// What replaces the scene's own settings.
+    pub fn settings(&self) -> Settings {
+        Settings {
+            width: None,
+            height: None,
+            samples: None,
+            max_depth: None,
+            seed: None,
+            set: self.set.clone(),
+            camera: None,
+        }
+    }
+}
+
+#[derive(Args, Debug)]
 pub struct Renderers {
     #[command(subcommand)]
     pub action: RenderersAction,
@@ -374,6 +498,40 @@ pub enum RenderersAction {
         #[arg(long)]
         force: bool,
     },
+}
+
+#[derive(Args, Debug)]
+pub struct Conventions {
+    /// The renderers, as `ltsc renderers list` names them: `mitsuba-3`, `luxcore`, `cycles`, `rs-pbrt`, ...
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub renderer: Vec<String>,
+    /// Only these conventions.
+    #[arg(long, value_name = "CONVENTION", value_delimiter = ',')]
+    pub only: Vec<String>,
+    /// Render nothing; list the conventions.
+    #[arg(long)]
+    pub list: bool,
+    /// Keep the numbers in `renderers/NAME-VERSION.json` below this folder, and write the page `renderers.md` there.
+    #[arg(short, long, value_name = "DIR", conflicts_with_all = ["only", "list"])]
+    pub output: Option<PathBuf>,
+    /// Render nothing; judge the numbers that are kept again, and write the page.
+    #[arg(long, requires = "output", conflicts_with = "renderer")]
+    pub stored: bool,
+    /// Write nothing; exit with 1 and name the files that are not what they would become.
+    #[arg(long, requires = "stored")]
+    pub check: bool,
+    /// The renderer's executable, or a Python that has its module.
+    #[arg(long, value_name = "FILE")]
+    pub executable: Option<PathBuf>,
+    /// Threads; images are so small that one is enough, and LuxCore's disturb each other.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub threads: u32,
+    /// Stop the renderer after this many seconds for one image.
+    #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = clap::value_parser!(u64).range(1..))]
+    pub timeout: u64,
+    /// How the result is printed; `sarif` and `github`, which are for findings, give the form for people.
+    #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
+    pub format: Format,
 }
 
 #[derive(Args, Debug)]
@@ -409,7 +567,7 @@ pub enum DocFormat {
 
 #[derive(Args, Debug)]
 pub struct Doc {
-    /// Scene files, or folders with scenes.
+    /// Folders with scenes; or scene files, whose pages alone are written, without the table of all.
     pub paths: Vec<PathBuf>,
     /// The folder to write [default: `docs/scenes` of the project].
     #[arg(short, long, value_name = "DIR")]
@@ -442,14 +600,6 @@ pub struct Doc {
 impl Doc {
     /// How findings are shown: to people, with the project's levels.
     pub fn findings(&self) -> Findings {
-        Findings {
-            format: Format::Human,
-            allow: Vec::new(),
-            warn: Vec::new(),
-            deny: Vec::new(),
-            no_allow: false,
-            limits: self.limits.clone(),
-            root: self.root.clone(),
-        }
+        Findings::plain(self.limits.clone(), self.root.clone())
     }
 }

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use ltsc_core::files::{Bytes, Files, ReadError, Sink, VPath};
 use memmap2::Mmap;
 use serde::{Deserialize, Serialize};
+use tempfile::TempPath;
 
 use crate::output::{Exit, Failure};
 
@@ -65,18 +66,23 @@ impl Files for DiskFiles {
         if size > limit {
             return Err(ReadError::TooLarge { size, limit });
         }
-        let file = File::open(&real).map_err(other)?;
-        if size < MAP_FROM {
-            let mut bytes = Vec::with_capacity(size as usize);
-            file.take(limit).read_to_end(&mut bytes).map_err(other)?;
-            return Ok(Bytes::new(bytes));
-        }
-        #[expect(unsafe_code, reason = "memory maps are unsafe: another process could cut the file while it is read")]
-        // SAFETY: the map is read-only and private to this process. A file that shrinks under it ends the process with a
-        // bus error, as it does in the renderers that map their meshes; ltsc never writes a file that it reads.
-        let map = unsafe { Mmap::map(&file) }.map_err(other)?;
-        Ok(Bytes::new(map))
+        bytes_of(&real, size, limit).map_err(other)
     }
+}
+
+/// The bytes of a file of `size` bytes: mapped where that is worth it.
+fn bytes_of(path: &Path, size: u64, limit: u64) -> io::Result<Bytes> {
+    let file = File::open(path)?;
+    if size < MAP_FROM {
+        let mut bytes = Vec::with_capacity(size as usize);
+        file.take(limit).read_to_end(&mut bytes)?;
+        return Ok(Bytes::new(bytes));
+    }
+    #[expect(unsafe_code, reason = "memory maps are unsafe: another process could cut the file while it is read")]
+    // SAFETY: the map is read-only and private to this process. A file that shrinks under it ends the process with a
+    // bus error, as it does in the renderers that map their meshes; ltsc never writes a file that it reads.
+    let map = unsafe { Mmap::map(&file) }?;
+    Ok(Bytes::new(map))
 }
 
 /// The disk with some files as they would be after a change.
@@ -150,13 +156,15 @@ impl Changes {
     }
 }
 
-/// Writes one folder. Each file is compared with what is there and written, under another name and renamed, only where
-/// it differs.
+/// Writes one folder. Each file is compared with what is there and written, under another name, only where it differs; all
+/// are renamed together by [`DiskSink::finish`]. A sink that is dropped leaves the folder as it was.
 pub struct DiskSink {
     folder: PathBuf,
     check: bool,
     manifest: Manifest,
     changes: Changes,
+    /// Files under their other names, by path below the folder.
+    staged: BTreeMap<String, TempPath>,
 }
 
 impl DiskSink {
@@ -172,7 +180,8 @@ impl DiskSink {
             return Err(io::Error::new(io::ErrorKind::AlreadyExists, message));
         }
         let manifest = Manifest { generator: "ltsc".to_owned(), scene: scene.to_owned(), files: BTreeMap::new() };
-        Ok(Self { folder: folder.to_path_buf(), check, manifest, changes: Changes::default() })
+        let folder = folder.to_path_buf();
+        Ok(Self { folder, check, manifest, changes: Changes::default(), staged: BTreeMap::new() })
     }
 
     /// Leaves files that `keep` says yes to as the last writing left them.
@@ -187,8 +196,16 @@ impl DiskSink {
         Below { sink: self, prefix: format!("{name}/") }
     }
 
-    /// Ends the folder: files that were ours and are no longer part of it go, and the manifest is written.
+    /// What has changed so far.
+    pub fn changes(&self) -> &Changes {
+        &self.changes
+    }
+
+    /// Ends the folder: files get their names, those that were ours and are no longer part of it go, and the manifest is written.
     pub fn finish(mut self) -> io::Result<Changes> {
+        for (path, staged) in std::mem::take(&mut self.staged) {
+            staged.persist(self.folder.join(path)).map_err(|error| error.error)?;
+        }
         let before = Manifest::read(&self.folder).unwrap_or_default();
         for path in before.files.keys().filter(|path| !self.manifest.files.contains_key(*path)) {
             // A manifest is a file like any other: it must not lead out of the folder.
@@ -211,7 +228,7 @@ impl DiskSink {
                 write_atomically(&self.folder.join(MANIFEST), &mut |out| out.write_all(&bytes))?;
             }
         }
-        Ok(self.changes)
+        Ok(std::mem::take(&mut self.changes))
     }
 }
 
@@ -228,7 +245,40 @@ impl Sink for DiskSink {
             return Ok(());
         }
         self.changes.written.push(path.to_owned());
-        if self.check { Ok(()) } else { write_atomically(&full, write) }
+        if !self.check {
+            self.staged.insert(path.to_owned(), written_beside(&full, write)?);
+        }
+        Ok(())
+    }
+}
+
+impl Files for DiskSink {
+    /// What the folder will hold: what was written, and what was there and is the same.
+    fn read(&self, path: &VPath, limit: u64) -> Result<Bytes, ReadError> {
+        let full = self.folder.join(path.as_str());
+        let staged = self.staged.get(path.as_str());
+        if staged.is_none() && !self.manifest.files.contains_key(path.as_str()) {
+            return Err(ReadError::Missing { beside: beside(&full) });
+        }
+        let place = staged.map_or(full.as_path(), |staged| staged);
+        let other = |error: io::Error| ReadError::Other(error.to_string());
+        let size = fs::metadata(place).map_err(other)?.len();
+        if size > limit {
+            return Err(ReadError::TooLarge { size, limit });
+        }
+        bytes_of(place, size, limit).map_err(other)
+    }
+}
+
+impl Drop for DiskSink {
+    /// Folders that were made for files that are not to be are not to be either.
+    fn drop(&mut self) {
+        for (path, staged) in std::mem::take(&mut self.staged) {
+            let _gone = staged.close();
+            remove_empty_folders(&self.folder, &self.folder.join(path));
+            // Fails where there is something in it.
+            let _kept = fs::remove_dir(&self.folder);
+        }
     }
 }
 
@@ -271,14 +321,17 @@ impl Sink for Below<'_> {
 
 /// Writes a file under another name in its folder and renames it.
 pub fn write_atomically(path: &Path, write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    written_beside(path, write)?.persist(path).map_err(|error| error.error)
+}
+
+/// Writes a file under another name in its folder, which goes away unless it is renamed.
+fn written_beside(path: &Path, write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<TempPath> {
     let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     fs::create_dir_all(folder)?;
     let temporary = tempfile::Builder::new().prefix(".ltsc-").permissions_of_files().tempfile_in(folder)?;
     let mut out = BufWriter::with_capacity(1 << 18, temporary);
     write(&mut out)?;
-    let temporary = out.into_inner().map_err(io::IntoInnerError::into_error)?;
-    temporary.persist(path).map_err(|error| error.error)?;
-    Ok(())
+    Ok(out.into_inner().map_err(io::IntoInnerError::into_error)?.into_temp_path())
 }
 
 /// Temporary files are private; the files that they become are as any other new file.
@@ -343,5 +396,51 @@ impl Write for Compare {
 
     fn flush(&mut self) -> io::Result<()> {
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).expect("a folder");
+        let mut names: Vec<String> =
+            entries.map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn a_sink_that_is_dropped_leaves_what_was_there() {
+        let root = tempfile::tempdir().expect("a folder");
+        let folder = root.path().join("scene");
+        let path = VPath::resolve("", "target/a.txt").expect("a path");
+        let write = |sink: &mut DiskSink, text: &'static [u8]| {
+            sink.file("target/a.txt", &mut |out| out.write_all(text)).expect("a file");
+            sink.read(&path, 100).map(|bytes| bytes.to_vec())
+        };
+        let mut sink = DiskSink::new(&folder, "scene", false, false).expect("a sink");
+        assert_eq!(
+            write(&mut sink, b"first"),
+            Ok(b"first".to_vec()),
+            "what was written is read before it has its name"
+        );
+        drop(sink);
+        assert_eq!(names(root.path()), Vec::<String>::new());
+        let mut sink = DiskSink::new(&folder, "scene", false, false).expect("a sink");
+        assert_eq!(write(&mut sink, b"first"), Ok(b"first".to_vec()));
+        sink.finish().expect("a folder");
+        let mut sink = DiskSink::new(&folder, "scene", false, false).expect("a sink");
+        assert_eq!(write(&mut sink, b"second"), Ok(b"second".to_vec()));
+        drop(sink);
+        assert_eq!(fs::read(folder.join("target/a.txt")).expect("the first"), b"first");
+        assert_eq!(
+            (names(&folder), names(&folder.join("target"))),
+            (vec![MANIFEST.to_owned(), "target".to_owned()], vec!["a.txt".to_owned()])
+        );
+        let mut sink = DiskSink::new(&folder, "scene", false, false).expect("a sink");
+        assert_eq!(write(&mut sink, b"first"), Ok(b"first".to_vec()), "what is the same is read where it is");
+        assert!(sink.finish().expect("a folder").is_empty());
     }
 }

@@ -402,6 +402,13 @@ pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
     asked.0.into_iter().collect()
 }
 
+/// What a texture asks for.
+pub fn of_texture(texture: &Texture) -> Vec<Feature> {
+    let mut asked = Asked::default();
+    ask_texture(&mut asked, texture, &Origin::Made);
+    asked.0.into_keys().collect()
+}
+
 #[derive(Default)]
 struct Asked(BTreeMap<Feature, Origin>);
 

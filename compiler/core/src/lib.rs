@@ -4,9 +4,10 @@
 //! tree), [`format`] (text to its canonical form), [`eval`] (tree to Scene), [`mesh`] (generators, mesh files), [`npy`] (arrays of numbers),
 //! [`image`] (headers of image files), [`valid`] (what every emitter may rely on),
 //! [`survey`] (what lies where), [`contact`] (what lies against what), [`lint`] (portability), [`fix`] (findings to edits), [`similar`] (how near scenes are), [`lower`] (Scene to Scene), [`capability`] (what a target can say), [`formats`] (targets and
-//! importers), [`ledger`] (what became of everything), [`pipeline`], the only file that knows all stages, [`catalogue`] (pages of scenes), and [`manual`], the pages made from the tables of them all.
+//! importers), [`ledger`] (what became of everything), [`audit`] (what was written, read back and compared), [`pipeline`], the only file that knows all stages, [`catalogue`] (pages of scenes), and [`manual`], the pages made from the tables of them all.
 #![deny(clippy::wildcard_enum_match_arm)]
 
+pub mod audit;
 pub mod capability;
 pub mod catalogue;
 pub mod contact;

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::io;
 
+use crate::audit::{self, Asked, Audited, Meshes};
 use crate::diag::{FileId, Finding, Origin, Severity, Sources, Suppression};
 use crate::eval::{self, Allow, Evaluated, Overrides, SceneParameter};
 use crate::files::{Bytes, Files, Sink, VPath};
@@ -216,6 +217,23 @@ pub fn emit_shared(
 ) -> io::Result<()> {
     book(ledger, sink)?;
     (target.emit)(&Emission { scene, camera, meshes: "../meshes/", textures: "../textures/", choices }, sink)
+}
+
+/// Reads what was written of a scene back from `files`, each target in the folder that `folder` says, and compares it with the scene.
+/// Targets without a reader are passed over.
+pub fn audit(
+    scene: &Valid,
+    camera: Handle<Camera>,
+    targets: &[&'static Target],
+    files: &dyn Files,
+    folder: impl Fn(&Target) -> String,
+) -> Audited {
+    let asked = Asked::new(scene, camera);
+    let mut meshes = Meshes::new(files);
+    let readable = targets.iter().filter(|target| target.import.is_some());
+    let targets = readable.map(|target| audit::audit(&asked, target, &folder(target), &mut meshes)).collect();
+    let Asked { sums, emitters, .. } = asked;
+    Audited { asked: sums, emitters, targets }
 }
 
 fn book(ledger: &Ledger, sink: &mut dyn Sink) -> io::Result<()> {

@@ -323,15 +323,31 @@ def emitter(name, mesh, material, radiance, matrix=None):
 
 
 def environment(radiance):
-    """The same radiance from all directions."""
+    """The same radiance from all directions, or that of a texture: its middle is +y, to the right of it lies +x, above it +z."""
     world = bpy.context.scene.world
     world.use_nodes = True
     nodes = world.node_tree.nodes
     nodes.clear()
     background = nodes.new("ShaderNodeBackground")
-    strength = max(radiance)
-    background.inputs["Color"].default_value = (*(part / strength if strength > 0 else 0 for part in radiance), 1)
-    background.inputs["Strength"].default_value = strength
+    if isinstance(radiance, str):
+        image = nodes.new("ShaderNodeTexEnvironment")
+        image.image = textures[radiance]
+        # Blender has +x in the middle: directions are turned by a quarter about z before it looks them up.
+        turn = nodes.new("ShaderNodeMapping")
+        turn.vector_type = "POINT"
+        turn.inputs["Rotation"].default_value = (0, 0, -math.pi / 2)
+        directions = nodes.new("ShaderNodeTexCoord")
+        for source, sink in [
+            (directions.outputs["Generated"], turn.inputs["Vector"]),
+            (turn.outputs["Vector"], image.inputs["Vector"]),
+            (image.outputs["Color"], background.inputs["Color"]),
+        ]:
+            world.node_tree.links.new(source, sink)
+        background.inputs["Strength"].default_value = 1
+    else:
+        strength = max(radiance)
+        background.inputs["Color"].default_value = (*(part / strength if strength > 0 else 0 for part in radiance), 1)
+        background.inputs["Strength"].default_value = strength
     output = nodes.new("ShaderNodeOutputWorld")
     world.node_tree.links.new(background.outputs[0], output.inputs["Surface"])
 

@@ -1,5 +1,6 @@
 //! Compares two images of the same scene. A is the reference: ratios are B/A, differences B - A.
 
+mod agreement;
 pub mod metrics;
 mod pair;
 mod picture;
@@ -13,6 +14,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::image::Image;
 
+pub use agreement::{Agreement, Bounds};
 pub use metrics::{METRICS, Metric};
 pub use pair::{Pair, Value};
 pub use picture::{difference_rgb8, relative_rgb8, shown_rgb8, write_difference_png, write_png};

@@ -7,7 +7,7 @@ use super::{Driver, EXACT, Installation, Job, Packages, Plan, RenderError, scrip
 pub(super) const ROW: Driver = Driver {
     name: "luxcore",
     aliases: &["lux", "luxcorerender"],
-    summary: "LuxCore, bidirectional path tracing on the processor",
+    summary: "LuxCore, path tracing on the processor",
     target: "luxcore",
     main_file: "scene.cfg",
     version: "2.11.2",

@@ -17,7 +17,7 @@ use serde_json::json;
 
 use crate::args::{Build, Format};
 use crate::disk::{Changes, DiskSink, MANIFEST, Manifest, unwritable};
-use crate::output::{Exit, Failure, Located};
+use crate::output::{self, Exit, Failure, Located};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
 
@@ -38,6 +38,9 @@ struct Built {
     targets: usize,
     changes: Changes,
 }
+
+/// What became of one scene, or why nothing did: the texts that were made say something else than the scene.
+type Outcome = Result<Built, Vec<Finding>>;
 
 pub fn run(command: &Build) -> Result<Exit, Failure> {
     let only: Vec<&'static Target> =
@@ -115,7 +118,7 @@ fn build(
         say_losses(&scenes.iter().map(|(ledgers, _)| *ledgers).collect::<Vec<_>>());
     }
     let bar = std::sync::Mutex::new((Bar::new(ready.len() as u64, "building"), 0));
-    let built: Vec<Result<Built, Failure>> = ready
+    let outcomes: Vec<Result<Outcome, Failure>> = ready
         .par_iter()
         .map(|ready| {
             let result = write(ready, targets, &choices, output, command);
@@ -130,7 +133,19 @@ fn build(
     if let Ok(bar) = bar.lock() {
         bar.0.finish();
     }
-    let mut built = built.into_iter().collect::<Result<Vec<_>, _>>()?;
+    let (mut built, mut wrong) = (Vec::new(), Vec::new());
+    for (ready, outcome) in ready.iter().zip(outcomes) {
+        match outcome? {
+            Ok(one) => built.push(one),
+            Err(findings) => wrong.extend(findings.into_iter().map(|finding| ready.file.located(finding))),
+        }
+    }
+    if !wrong.is_empty() {
+        output::findings(&wrong, None, format, false, true);
+        terminal::error("ltsc wrote something else than the scenes say; nothing of these scenes was kept");
+        terminal::help("this is a fault of ltsc itself: please report it with the scenes");
+        return Ok((Exit::Fault, None));
+    }
     if whole && only.is_empty() {
         built.extend(orphans(output, &ready, command.check)?);
     }
@@ -182,11 +197,11 @@ fn twins(ready: &[Ready<'_>]) -> Option<(String, String, String)> {
 
 fn write(
     ready: &Ready<'_>,
-    targets: &[&Target],
+    targets: &[&'static Target],
     choices: &Choices,
     output: &Path,
     command: &Build,
-) -> Result<Built, Failure> {
+) -> Result<Outcome, Failure> {
     let scene = &ready.scene;
     let folder = output.join(&scene.name);
     let failed = |error: io::Error| unwritable(&folder, &error);
@@ -208,8 +223,16 @@ fn write(
         let mut inner = sink.below(target.name);
         pipeline::emit_shared(scene, camera, target, ledger, choices, &mut inner).map_err(failed)?;
     }
+    // Where nothing is to be written, what is stale is said, and only what is not stale can be read.
+    if !command.check || sink.changes().is_empty() {
+        let audited = pipeline::audit(scene, camera, targets, &sink, |target| target.name.to_owned());
+        let wrong: Vec<Finding> = audited.findings().cloned().collect();
+        if !wrong.is_empty() {
+            return Ok(Err(wrong));
+        }
+    }
     let changes = sink.finish().map_err(failed)?;
-    Ok(Built { name: scene.name.clone(), targets: targets.len(), changes })
+    Ok(Ok(Built { name: scene.name.clone(), targets: targets.len(), changes }))
 }
 
 /// Folders of scenes that are gone.

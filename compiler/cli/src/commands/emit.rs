@@ -30,6 +30,9 @@ pub fn run(command: &Emit) -> Result<Exit, Failure> {
     let mut sink = DiskSink::new(&folder, &scene.scene.name, false, command.force).map_err(failed)?;
     pipeline::emit_alone(&scene.scene, scene.camera, target, &scene.ledger(target), &choices, &mut sink)
         .map_err(failed)?;
+    if let Some(exit) = scene.audited(target, &sink, command.findings.format) {
+        return Ok(exit);
+    }
     let changes = sink.finish().map_err(failed)?;
     if command.findings.format == Format::Human {
         let main = folder.join(target.main_file_of(&scene.scene.name));

@@ -1,7 +1,10 @@
 //! One file per subcommand.
 
+mod agree;
+mod audit;
 mod build;
 mod completions;
+mod conventions;
 mod diff;
 mod doc;
 mod emit;
@@ -12,6 +15,7 @@ mod lint;
 mod manual;
 mod render;
 mod renderers;
+mod rendering;
 mod shared;
 mod similar;
 mod stats;
@@ -31,9 +35,12 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Fmt(command) => fmt::run(&command),
         Command::Similar(command) => similar::run(&command),
         Command::Emit(command) => emit::run(&command),
+        Command::Audit(command) => audit::run(&command),
         Command::Render(command) => render::run(&command),
         Command::Diff(command) => diff::run(&command),
+        Command::Agree(command) => agree::run(&command),
         Command::Renderers(command) => renderers::run(&command),
+        Command::Conventions(command) => conventions::run(&command),
         Command::Explain(command) => explain::run(&command),
         Command::Doc(command) => doc::run(&command),
         Command::Manual(command) => manual::run(&command),
@@ -55,8 +62,11 @@ fn format_of(command: &Command) -> Format {
         Command::Fmt(command) => command.format,
         Command::Similar(command) => command.findings.format,
         Command::Emit(command) => command.findings.format,
+        Command::Audit(command) => command.findings.format,
         Command::Render(command) => command.findings.format,
         Command::Diff(command) => command.format,
+        Command::Conventions(command) => command.format,
+        Command::Agree(command) => command.format,
         Command::Renderers(command) => match command.action {
             RenderersAction::List { format } => format,
             RenderersAction::Install { .. } => Format::Human,

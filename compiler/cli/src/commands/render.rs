@@ -6,7 +6,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-use ltsc_core::capability::{Support, algorithm};
+use ltsc_core::capability::algorithm;
 use ltsc_core::ir::Scene;
 use ltsc_core::pipeline;
 use ltsc_render::cache::CachePaths;
@@ -21,6 +21,7 @@ use crate::output::{Exit, Failure};
 use crate::project;
 use crate::terminal::{self, Bar};
 
+use super::rendering::lacks;
 use super::shared::{One, one};
 
 pub fn run(command: &Render) -> Result<Exit, Failure> {
@@ -45,6 +46,9 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
     let mut sink = DiskSink::new(work.path(), &scene.scene.name, false, false).map_err(unwritable)?;
     pipeline::emit_alone(&scene.scene, scene.camera, target, &scene.ledger(target), &scene.project.choices, &mut sink)
         .map_err(unwritable)?;
+    if let Some(exit) = scene.audited(target, &sink, command.findings.format) {
+        return Ok(exit);
+    }
     sink.finish().map_err(unwritable)?;
     let request = request(command, driver, &scene, work.path());
     let log = request.log.clone();
@@ -118,17 +122,13 @@ fn check_output(command: &Render) -> Result<(), Failure> {
 
 /// Refuses an algorithm that the renderer lacks: an image of another one would be taken for what was asked.
 fn check_algorithm(driver: &Driver, scene: &Scene) -> Result<(), Failure> {
-    let (asked, _) = algorithm(&scene.integrator);
-    let lacks = |driver: &Driver| {
-        let target = project::target(driver.target)?;
-        Ok(matches!((target.supports)(asked), Support::Unsupported { why: _ }))
-    };
-    if !lacks(driver)? {
+    if !lacks(driver, scene)? {
         return Ok(());
     }
+    let (asked, _) = algorithm(&scene.integrator);
     let mut others = Vec::new();
     for other in ltsc_render::run::DRIVERS {
-        if !lacks(other)? {
+        if !lacks(other, scene)? {
             others.push(format!("`{}`", other.name));
         }
     }
@@ -182,7 +182,8 @@ fn watch(request: &RenderRequest, scene: &One) -> Result<Rendered, Failure> {
     rendered.map_err(|error| failure(&error))
 }
 
-fn failure(error: &RenderError) -> Failure {
+/// What becomes of a renderer that is missing or fails, with the places looked at or the end of its log.
+pub fn failure(error: &RenderError) -> Failure {
     let mut message = error.to_string();
     if !error.tail().is_empty() {
         let head = if matches!(error, RenderError::NotFound { .. }) { "looked at:" } else { "the end of its log:" };

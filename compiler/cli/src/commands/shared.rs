@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use ltsc_core::diag::{Finding, Severity, Sources, nearest};
 use ltsc_core::eval::{self, Limits, Overrides};
-use ltsc_core::files::VPath;
+use ltsc_core::files::{Files, VPath};
 use ltsc_core::formats::Target;
 use ltsc_core::ir::{Camera, Documentation, Handle, Scene};
 use ltsc_core::ledger::Ledger;
@@ -316,6 +316,22 @@ impl One {
             say_losses(&[&ledgers]);
         }
         Ok(exit)
+    }
+}
+
+impl One {
+    /// Reads what was written of the scene for one target, below the root of `files`, and refuses it where it says something else
+    /// than the scene.
+    pub fn audited(&self, target: &'static Target, files: &dyn Files, format: Format) -> Option<Exit> {
+        let audited = pipeline::audit(&self.scene, self.camera, &[target], files, |_| String::new());
+        let wrong: Vec<Located<'_>> = audited.findings().map(|finding| self.file.located(finding.clone())).collect();
+        if wrong.is_empty() {
+            return None;
+        }
+        output::findings(&wrong, None, format, false, true);
+        terminal::error("ltsc wrote something else than the scene says; nothing was kept");
+        terminal::help("this is a fault of ltsc itself: please report it with the scene");
+        Some(Exit::Fault)
     }
 }
 

@@ -98,7 +98,7 @@ fn counts(scene: &Scene) -> String {
     format!("{} | {}", grouped(triangles as u64), grouped(catalogue::instances(scene)))
 }
 
-/// The bytes of the shared meshes and images, and of each target's own files, and the scene's name.
+/// The bytes of the shared meshes and images, and of each target's own files but the ledger, and the scene's name.
 fn emitted(scene: Scene, targets: &[&'static Target], choices: &Choices) -> Result<(Vec<u64>, String), Failure> {
     let name = scene.name.clone();
     let fault = |what: &str| Failure::new(Exit::Fault, format!("the scene `{name}` {what}"));
@@ -110,9 +110,10 @@ fn emitted(scene: Scene, targets: &[&'static Target], choices: &Choices) -> Resu
     let mut bytes = vec![meshes.0];
     for target in targets {
         let mut own = Counter::default();
-        pipeline::emit_shared(&scene, camera, target, &Ledger::of(&scene, target, &[]), choices, &mut own)
+        let ledger = Ledger::of(&scene, target, &[]);
+        pipeline::emit_shared(&scene, camera, target, &ledger, choices, &mut own)
             .map_err(|error| fault(&error.to_string()))?;
-        bytes.push(own.0);
+        bytes.push(own.0 - ledger.json().len() as u64);
     }
     Ok((bytes, name))
 }

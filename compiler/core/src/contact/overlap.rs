@@ -64,8 +64,11 @@ pub(super) struct Distances {
 /// What of `other` lies over `one`, measured on the plane of `one`; with whether both look the same way. None where planes cross
 /// or nothing does.
 pub(super) fn overlap(one: &Triangle, other: &Triangle, within: Distances) -> Option<(bool, Overlap)> {
+    if !one.bounds.grown(within.near).touches(other.bounds) {
+        return None;
+    }
     let cosine = dot(one.normal, other.normal);
-    if cosine.abs() < PARALLEL || !one.bounds.grown(within.near).touches(other.bounds) {
+    if cosine.abs() < PARALLEL {
         return None;
     }
     let start = one.corners[0];

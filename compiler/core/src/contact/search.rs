@@ -12,6 +12,9 @@ use crate::survey::{Bounds, Placed, Survey};
 /// Boxes and triangles that are looked at before pairs are left out. Some ten seconds.
 const BUDGET: u64 = 1_000_000_000;
 
+/// The most pairs of uses that are kept, in 128 MiB.
+const PAIRS: usize = 1 << 24;
+
 /// A mesh of so many triangles is scanned whenever it is asked for.
 const SMALL: usize = 256;
 
@@ -24,6 +27,12 @@ const FEW: usize = 16;
 /// A pair whose smaller mesh has more triangles waits until all others have been looked at: where the work runs out, what is left
 /// out are pairs of large meshes.
 const HEAVY: usize = 4096;
+
+/// Triangles of one mesh that are looked for in the tree of another together: neighbours in a mesh mostly lie side by side.
+const GROUP: usize = 8;
+
+/// So many pairs of triangles are held against each other in the time of one box of a tree.
+const TRIED: u64 = 4;
 
 /// Triangles that one task looks at; results are summed in their order.
 const PIECE: usize = 512;
@@ -111,33 +120,44 @@ impl<'s> Search<'s> {
     pub fn run(mut self) -> Contacts {
         let placed = &self.survey.placed;
         let mut contacts = Contacts::default();
-        let tree = Tree::of(placed.len(), |at| placed[at].bounds);
-        let mut partners: Vec<usize> = Vec::new();
-        let mut heavy: Vec<([usize; 2], Bounds)> = Vec::new();
         let large: Vec<bool> =
             placed.iter().map(|placed| self.survey.scene.meshes[placed.shape.mesh].triangles.len() > HEAVY).collect();
-        for one in 0..placed.len() {
-            if self.roles[one] == Role::Dielectric {
-                if large[one] {
-                    heavy.push(([one, one], placed[one].bounds));
-                } else {
-                    self.contact([one, one], placed[one].bounds, &mut contacts);
+        // What two uses have in common reaches no farther than either, so that each box may be grown by its own distance.
+        let grown: Vec<Bounds> =
+            placed.iter().zip(&self.reaches).map(|(placed, reach)| placed.bounds.grown(nearness(*reach))).collect();
+        // Opaque uses of one material do not matter to each other: equal numbers.
+        let classes: Vec<Option<usize>> = placed
+            .iter()
+            .zip(&self.roles)
+            .map(|(placed, role)| (*role == Role::Opaque).then(|| placed.shape.material.index()))
+            .collect();
+        let mut pairs: Vec<[u32; 2]> = Vec::new();
+        let own = (0..placed.len()).filter(|at| self.roles[*at] == Role::Dielectric);
+        pairs.extend(own.map(|at| [at as u32; 2]));
+        let tree = Tree::of(placed.len(), |at| grown[at]);
+        self.looked += tree.each_pair(
+            |at| grown[at],
+            |one, other| {
+                if classes[one].is_some() && classes[one] == classes[other] {
+                    return;
                 }
-            }
-            partners.clear();
-            let near = placed[one].bounds.grown(2.0 * nearness(placed[one].bounds.reach()));
-            let may_touch = |other: &usize| *other > one && placed[*other].bounds.touches(near);
-            self.looked += tree.each(near, |items| {
-                partners.extend(items.iter().map(|item| *item as usize).filter(may_touch));
-            });
-            partners.sort_unstable();
-            for other in partners.iter().copied() {
-                let Some(region) = self.region(one, other) else { continue };
-                if large[one] && large[other] {
-                    heavy.push(([one, other], region));
+                if pairs.len() < PAIRS {
+                    pairs.push([one as u32, other as u32]);
                 } else {
-                    self.contact([one, other], region, &mut contacts);
+                    contacts.left_out += 1;
                 }
+            },
+        );
+        // In the order of the scene, for the work may run out.
+        pairs.sort_unstable();
+        let mut heavy: Vec<([usize; 2], Bounds)> = Vec::new();
+        for uses in pairs.into_iter().map(|uses| uses.map(|at| at as usize)) {
+            let [one, other] = uses;
+            let region = if one == other { Some(placed[one].bounds) } else { self.region(one, other) };
+            match region {
+                Some(region) if large[one] && large[other] => heavy.push((uses, region)),
+                Some(region) => self.contact(uses, region, &mut contacts),
+                None => {}
             }
         }
         for (uses, region) in heavy {
@@ -285,12 +305,17 @@ impl<'s> Search<'s> {
         let (Some(tree), Some(into)) = (&self.trees[number], into_mesh(other_use)) else { return NOTHING };
         let each = |piece: &[u32]| {
             let (mut found, mut looked) = (NOTHING, 0);
-            for first in piece.iter().filter_map(|at| of_one(*at)) {
-                looked += tree.each(into(first.bounds.grown(within.near)), |items| {
+            for group in piece.chunks(GROUP) {
+                let firsts: Vec<Triangle> = group.iter().filter_map(|at| of_one(*at)).collect();
+                let Some(around) = firsts.iter().map(|first| first.bounds).reduce(Bounds::union) else { continue };
+                let mut tried = 0;
+                looked += tree.each(into(around.grown(within.near)), |items| {
+                    tried += (items.len() * firsts.len()) as u64;
                     for second in items.iter().filter_map(|at| of_other(*at)) {
-                        found = add(found, overlap(&first, &second, within));
+                        found = firsts.iter().fold(found, |found, first| add(found, overlap(first, &second, within)));
                     }
                 });
+                looked += tried / TRIED;
             }
             (found, looked)
         };
@@ -315,14 +340,23 @@ impl<'s> Search<'s> {
         let of = |at: u32| of(at as usize);
         let each = |piece: usize| {
             let (mut found, mut looked) = (NOTHING, 0);
-            for at in (piece * PIECE..mesh.triangles.len().min((piece + 1) * PIECE)).map(|at| at as u32) {
-                let Some(first) = of(at) else { continue };
-                looked += tree.each(into(first.bounds.grown(within.near)), |items| {
-                    let later = items.iter().filter(|item| **item > at).filter_map(|item| of(*item));
-                    for second in later.filter(|second| dot(first.normal, second.normal) < 0.0) {
-                        found = add(found, overlap(&first, &second, within));
+            let end = mesh.triangles.len().min((piece + 1) * PIECE);
+            for start in (piece * PIECE..end).step_by(GROUP) {
+                let group = (start..end.min(start + GROUP)).map(|at| at as u32);
+                let firsts: Vec<(u32, Triangle)> = group.filter_map(|at| Some((at, of(at)?))).collect();
+                let Some(around) = firsts.iter().map(|(_, first)| first.bounds).reduce(Bounds::union) else { continue };
+                let mut tried = 0;
+                looked += tree.each(into(around.grown(within.near)), |items| {
+                    tried += (items.len() * firsts.len()) as u64;
+                    for item in items.iter().filter(|item| **item as usize > start) {
+                        let Some(second) = of(*item) else { continue };
+                        let earlier = firsts.iter().filter(|(at, _)| at < item).map(|(_, first)| first);
+                        for first in earlier.filter(|first| dot(first.normal, second.normal) < 0.0) {
+                            found = add(found, overlap(first, &second, within));
+                        }
                     }
                 });
+                looked += tried / TRIED;
             }
             (found, looked)
         };

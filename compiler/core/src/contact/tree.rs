@@ -66,6 +66,42 @@ impl Tree {
 
     /// Calls `found` with groups of items, at least all those whose boxes touch `near`; gives the number of boxes looked at.
     pub fn each(&self, near: Bounds, mut found: impl FnMut(&[u32])) -> u64 {
+        self.leaves(near, 0, |leaf| found(self.items(leaf)))
+    }
+
+    /// Calls `found` with every two items whose boxes, `bounds`, touch, the lower first and each pair once; gives the number of
+    /// boxes looked at. The items of a leaf are neighbours, and look for theirs together.
+    pub fn each_pair(&self, bounds: impl Fn(usize) -> Bounds, mut found: impl FnMut(usize, usize)) -> u64 {
+        let mut looked = 0;
+        let Some(leaves) = self.levels.first() else { return 0 };
+        let mut own: Vec<(usize, Bounds)> = Vec::with_capacity(WIDTH);
+        for (leaf, around) in leaves.iter().enumerate() {
+            own.clear();
+            own.extend(self.items(leaf).iter().map(|item| (*item as usize, bounds(*item as usize))));
+            looked += self.leaves(*around, leaf, |other| {
+                for (place, item) in self.items(other).iter().map(|item| *item as usize).enumerate() {
+                    let second = bounds(item);
+                    // Within the leaf itself only what comes later.
+                    let firsts = if other == leaf { &own[..place] } else { &own[..] };
+                    if !second.touches(*around) {
+                        continue;
+                    }
+                    for (first, _) in firsts.iter().filter(|(_, first)| first.touches(second)) {
+                        found((*first).min(item), (*first).max(item));
+                    }
+                }
+            });
+        }
+        looked
+    }
+
+    /// The items of a leaf.
+    fn items(&self, leaf: usize) -> &[u32] {
+        &self.order[leaf * WIDTH..self.order.len().min((leaf + 1) * WIDTH)]
+    }
+
+    /// Calls `found` with the leaves from `first` on whose boxes touch `near`; gives the number of boxes looked at.
+    fn leaves(&self, near: Bounds, first: usize, mut found: impl FnMut(usize)) -> u64 {
         let Some(top) = self.levels.len().checked_sub(1) else { return 0 };
         let mut looked = 1;
         if !self.levels[top][0].touches(near) {
@@ -77,17 +113,19 @@ impl Tree {
         while count > 0 {
             count -= 1;
             let (level, at) = open[count];
-            let from = at * WIDTH;
             if level == 0 {
-                found(&self.order[from..self.order.len().min(from + WIDTH)]);
+                found(at);
                 continue;
             }
             let below = &self.levels[level - 1];
-            let children = &below[from..below.len().min(from + WIDTH)];
+            // Before this child all leaves lie before the first.
+            let start = (first / WIDTH.pow(level as u32 - 1)).max(at * WIDTH);
+            let children =
+                &below[start.min(below.len())..below.len().min((at + 1) * WIDTH).max(start.min(below.len()))];
             looked += children.len() as u64;
             // The first is looked at first.
             for (child, bounds) in children.iter().enumerate().rev() {
-                open[count] = (level - 1, from + child);
+                open[count] = (level - 1, start + child);
                 count += usize::from(bounds.touches(near));
             }
         }
@@ -144,6 +182,23 @@ mod tests {
             found.sort_unstable();
             let expected: Vec<u32> =
                 (0..boxes.len() as u32).filter(|at| bounds(boxes[*at as usize]).common(near).is_some()).collect();
+            prop_assert_eq!(found, expected);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn pairs_are_found_once(boxes in prop::collection::vec((any::<[i8; 3]>(), any::<[u8; 3]>()), 0..200)) {
+            let bounds = |at: usize| {
+                let (low, size) = boxes[at];
+                let low = low.map(f64::from);
+                Bounds { low, high: [0, 1, 2].map(|axis| low[axis] + f64::from(size[axis] % 40)) }
+            };
+            let mut found = Vec::new();
+            Tree::of(boxes.len(), bounds).each_pair(bounds, |a, b| found.push((a, b)));
+            found.sort_unstable();
+            let all = (0..boxes.len()).flat_map(|a| (a + 1..boxes.len()).map(move |b| (a, b)));
+            let expected: Vec<_> = all.filter(|(a, b)| bounds(*a).common(bounds(*b)).is_some()).collect();
             prop_assert_eq!(found, expected);
         }
     }

@@ -23,6 +23,10 @@ const fn remark(id: &'static str, doc: &'static str) -> Code {
 /// All codes that are not rules, by name.
 pub const CODES: &[Code] = &[
     code(
+        "audit-mismatch",
+        "A file that was generated says something else than the scene.\n`build` and `emit` read back what they write: the power, area, facing and place of every emitter, what each material reflects at 0, 30, 60 and 80 degrees and its `alpha`, path depth, camera, size of the image, lights, every surface and its place. A difference is a fault of ltsc itself (exit code 70), and nothing is kept. `ltsc audit` asks the same of files that are there: they may have been edited, or be those of an older scene.",
+    ),
+    code(
         "bad-path",
         "A path in a scene is absolute, leaves the project, or is not written with `/`.\nA scene must mean the same in every checkout and on every system.",
     ),
@@ -37,6 +41,22 @@ pub const CODES: &[Code] = &[
     code(
         "foreign-file",
         "A file is a scene or a mesh in another format than ltsc's own.\nScenes are read from `.lts` files; importers for other formats come later, and lint will take their files then.",
+    ),
+    code(
+        "foreign-limit",
+        "A file of another program is larger, or nested more deeply, than a reader takes.\nThe limits keep a file from being read without end: includes in includes, mixes of mixes.",
+    ),
+    code(
+        "foreign-reference",
+        "A file of another program names something that is not there: a file, a mesh, a material, a texture, a group.\nFiles are looked for below the folder of the scene only.",
+    ),
+    code(
+        "foreign-syntax",
+        "A file of another program is not written as its format asks for, or says something that is not read.\nWhat would be read wrongly is refused: a setting with another value than the one that is understood is an error, not passed over.",
+    ),
+    code(
+        "foreign-unknown",
+        "A file of another program has a statement or a parameter that is not known.\nNothing is passed over: what is not understood may change the image.",
     ),
     code(
         "index-out-of-range",

@@ -15,9 +15,14 @@ use std::io;
 pub use choices::{Choice, ChoiceError, Choices, all as choices};
 
 use crate::capability::{Bound, Feature, Support};
-use crate::files::Sink;
+use crate::files::{Sink, VPath};
 use crate::ir::{Camera, Handle, Scene};
 use crate::valid::Valid;
+use shared::reading::Reading;
+use shared::source::Source;
+
+/// A reader of a target's files: see [`Target::import`].
+pub type Importer = fn(&VPath, &mut Source<'_>) -> Reading;
 
 /// A target: a scene format that ltsc writes.
 pub struct Target {
@@ -42,6 +47,9 @@ pub struct Target {
     pub choices: &'static [Choice],
     /// Writes all files of the scene but the shared meshes.
     pub emit: fn(&Emission<'_>, &mut dyn Sink) -> io::Result<()>,
+    /// Reads what its files say, from the main file on, and tells the source what it does not understand. Where there is none, what
+    /// is written cannot be audited.
+    pub import: Option<Importer>,
 }
 
 impl Target {

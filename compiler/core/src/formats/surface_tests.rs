@@ -333,6 +333,9 @@ fn an_image_of_the_environment_in_every_target() {
     let pbrt = all_text("pbrt-v3", scene(ImageFormat::Exr));
     assert!(pbrt.contains("LightSource \"infinite\" \"string mapname\" [\"../textures/sky.exr\"]"), "{pbrt}");
     assert!(pbrt.contains("\tConcatTransform [0 -1 0 0  -1 0 0 0  0 0 1 0  0 0 0 1]"), "{pbrt}");
+    let python = all_text("cycles", scene(ImageFormat::Exr));
+    assert!(python.contains("texture(\"sky\", \"../textures/sky.exr\", linear=True)\n"), "{python}");
+    assert!(python.contains("environment(\"sky\")\n"), "{python}");
     // A grey stands where the image cannot be read, and is said to be lost.
     for (target, format) in [("pbrt-v4", ImageFormat::Exr), ("pbrt-v3", ImageFormat::Hdr)] {
         let pbrt = all_text(target, scene(format));

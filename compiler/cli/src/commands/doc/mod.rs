@@ -57,7 +57,14 @@ pub fn run(command: &Doc) -> Result<Exit, Failure> {
         scenes.keys().filter_map(|name| Some((*name, pictures::load(&output, name)?))).collect();
     let entries: Vec<Entry<'_>> =
         scenes.iter().map(|(name, (scene, _, _))| Entry { scene, pictures: pictures.get(name) }).collect();
-    write(command, &output, &pages(&entries, command.format))
+    let mut pages = pages(&entries, command.format);
+    // Single scenes get their pages anew; the table of all, and the pages of others, are not theirs to change.
+    let single = command.paths.iter().any(|path| path.is_file());
+    let partial = single && !left_over(&output, &pages, command.format).is_empty();
+    if partial {
+        pages.retain(|name, _| name != "README.md" && name != "index.html");
+    }
+    write(command, &output, &pages, partial)
 }
 
 /// All files by their path below the folder.
@@ -102,7 +109,7 @@ fn left_over(folder: &Path, files: &BTreeMap<String, String>, format: DocFormat)
 }
 
 /// Writes what is not yet as it should be, or only names it.
-fn write(command: &Doc, folder: &Path, files: &BTreeMap<String, String>) -> Result<Exit, Failure> {
+fn write(command: &Doc, folder: &Path, files: &BTreeMap<String, String>, partial: bool) -> Result<Exit, Failure> {
     let failed = |error: std::io::Error| unwritable(folder, &error);
     let mut changed = 0;
     for (name, text) in files {
@@ -117,7 +124,8 @@ fn write(command: &Doc, folder: &Path, files: &BTreeMap<String, String>) -> Resu
             write_atomically(&path, &mut |out| out.write_all(text.as_bytes())).map_err(failed)?;
         }
     }
-    for path in left_over(folder, files, command.format) {
+    let gone = if partial { Vec::new() } else { left_over(folder, files, command.format) };
+    for path in gone {
         changed += 1;
         if command.check {
             terminal::print(&format!("left over: {}\n", path.display()));

@@ -5,26 +5,22 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use ltsc_core::capability::{Support, algorithm};
 use ltsc_core::catalogue::Pictures;
 use ltsc_core::eval::Overrides;
-use ltsc_core::formats::Choices;
 use ltsc_core::ir::Scene;
-use ltsc_core::ledger::Ledger;
 use ltsc_core::pipeline;
-use ltsc_render::cache::CachePaths;
 use ltsc_render::compare::{CompareOptions, compare, difference_rgb8, relative_rgb8, shown_rgb8, write_png};
-use ltsc_render::env::Env;
 use ltsc_render::image::Image;
-use ltsc_render::run::{Driver, RenderRequest, Rendered, Search, driver, find, render};
+use ltsc_render::run::{Driver, Rendered, driver};
 use serde_json::json;
 
 use crate::args::Doc;
-use crate::disk::{DiskSink, unwritable, write_atomically};
+use crate::disk::{unwritable, write_atomically};
 use crate::output::{Exit, Failure};
-use crate::project::{self, Project};
+use crate::project::Project;
 use crate::terminal::{self, Bar};
 
+use super::super::rendering::{is_there, lacks, rendered};
 use super::super::shared::check;
 
 /// The renderers that are compared, the reference first.
@@ -80,13 +76,6 @@ pub fn render_all(command: &Doc, scenes: &Scenes<'_>, folder: &Path) -> Result<(
     Ok(())
 }
 
-fn is_there(driver: &'static Driver, project: &Project) -> bool {
-    let env = Env::of_process();
-    let cache = CachePaths::find(&env);
-    let configured = project.executables.get(driver.name).map(PathBuf::as_path);
-    find(driver, &Search { env: &env, cache: cache.as_ref(), given: None, configured }).is_ok()
-}
-
 /// The settings of a picture: the longer side is as asked for.
 fn settings(command: &Doc, scene: &Scene) -> Overrides {
     let (width, height) = (scene.film.width, scene.film.height);
@@ -109,47 +98,27 @@ fn one(
     };
     let (small, _) = pipeline::prepare(small)
         .map_err(|_| Failure::new(Exit::Input, format!("the scene `{}` cannot be rendered", scene.name)))?;
-    let mut rendered: Vec<(&'static Driver, Rendered)> = Vec::new();
+    let mut all: Vec<(&'static Driver, Rendered)> = Vec::new();
     for driver in drivers {
-        let target = project::target(driver.target)?;
-        if matches!((target.supports)(algorithm(&small.integrator).0), Support::Unsupported { why: _ }) {
+        if lacks(driver, &small)? {
             terminal::say(&format!("{}: {} lacks `{}`", scene.name, driver.name, small.integrator.word()));
             continue;
         }
-        let work = tempfile::Builder::new().prefix("ltsc-doc-").tempdir();
-        let work = work.map_err(|error| Failure::new(Exit::Environment, error.to_string()))?;
-        let failed = |error: std::io::Error| unwritable(work.path(), &error);
-        let camera = pipeline::camera(&small, None)
-            .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
-        let mut sink = DiskSink::new(work.path(), &small.name, false, false).map_err(failed)?;
-        pipeline::emit_alone(&small, camera, target, &Ledger::of(&small, target, &[]), &Choices::default(), &mut sink)
-            .map_err(failed)?;
-        sink.finish().map_err(failed)?;
-        let env = Env::of_process();
-        let cache = CachePaths::find(&env);
-        let size = (small.film.width as usize, small.film.height as usize);
-        let request = RenderRequest {
-            executable: project.executables.get(driver.name).cloned(),
-            env,
-            cache,
-            main_file: driver.main_file.replace("SCENE", &small.name),
-            samples: command.samples,
-            seed: small.sampler.seed(),
-            timeout: Some(Duration::from_secs(command.timeout)),
-            ..RenderRequest::new(driver, work.path().to_path_buf(), size, work.path().join("log"))
-        };
-        let mut bar = Bar::new(0, &format!("{} ({})", scene.name, driver.name));
-        let done = render(&request, &mut |_| bar.say(&format!("{} ({})", scene.name, driver.name)));
+        let what = format!("{} ({})", scene.name, driver.name);
+        let mut bar = Bar::new(0, &what);
+        let timeout = Some(Duration::from_secs(command.timeout));
+        let settings = (command.samples, small.sampler.seed());
+        let done = rendered(project, &small, driver, settings, timeout, &mut |_| bar.say(&what));
         bar.finish();
         match done {
             Ok(image) => {
                 terminal::say(&format!("{}: {} in {:.1} s", scene.name, driver.name, image.seconds));
-                rendered.push((driver, image));
+                all.push((driver, image));
             }
-            Err(error) => terminal::say(&format!("{}: {} left out: {error}", scene.name, driver.name)),
+            Err(error) => terminal::say(&format!("{}: {} left out: {}", scene.name, driver.name, error.message)),
         }
     }
-    write(command, scene, &rendered, folder)
+    write(command, scene, &all, folder)
 }
 
 /// The factor that brings the 95th percentile of an image's brightness to 0.8.

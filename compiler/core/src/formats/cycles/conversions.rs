@@ -33,8 +33,49 @@ pub const CONVERSIONS: &[(Feature, &str)] = &[
     (Feature::Path, "max_bounces, diffuse_, glossy_, transmission_bounces = max_depth - 2"),
 ];
 
-/// Wide metals, whose masking is correlated by height, and light that enters another medium, which Cycles does not scale.
+/// Metals, whose Fresnel term is the one for large `k`; wide ones, whose masking is correlated by height; and light that enters
+/// another medium, which Cycles does not scale.
 pub fn bound(feature: Feature, scene: &Scene) -> Option<Bound> {
-    let refracts = [Feature::SmoothDielectric, Feature::RoughDielectric, Feature::ThinnerInside].contains(&feature);
-    if refracts { media::bound(scene) } else { bounds::of_correlation(feature, scene) }
+    if [Feature::SmoothDielectric, Feature::RoughDielectric, Feature::ThinnerInside].contains(&feature) {
+        return media::bound(scene);
+    }
+    if [Feature::SmoothConductor, Feature::RoughConductor].contains(&feature) {
+        return bounds::of_fresnel(bounds::metals(scene, feature), |eta, k| move |cosine| large_k(eta, k, cosine));
+    }
+    bounds::of_correlation(feature, scene)
+}
+
+/// The reflectance of a metal as Cycles computes it: the approximation for large `k` (Pharr and Humphreys, "Physically Based
+/// Rendering", first edition, section 9.2.1). Measured with 4.5.15 on copper: 0.5163 at 45 degrees in blue, 0.6314 at 60 in green,
+/// 0.6204 at 75 in blue, 0.7793 at 82 in green; this gives 0.5163, 0.6314, 0.6202, 0.779, the exact term 0.5147, 0.6258, 0.6152,
+/// 0.7746.
+fn large_k(eta: f64, k: f64, cosine: f64) -> f64 {
+    let (size, linear, square) = (eta * eta + k * k, 2.0 * eta * cosine, cosine * cosine);
+    let along = (size * square - linear + 1.0) / (size * square + linear + 1.0);
+    let across = (size - linear + square) / (size + linear + square);
+    f64::midpoint(along, across)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::formats::shared::fresnel;
+
+    #[test]
+    fn the_approximation_is_that_of_the_renderer() {
+        let at = |eta: f64, k: f64, degrees: f64| large_k(eta, k, libm::cos(degrees.to_radians()));
+        for (eta, k, degrees, rendered) in [
+            (1.102_212, 2.142_188, 45.0, 0.5163),
+            (0.924_033, 2.452_848, 60.0, 0.6314),
+            (1.102_212, 2.142_188, 75.0, 0.6204),
+            (0.924_033, 2.452_848, 82.0, 0.7793),
+        ] {
+            assert!((at(eta, k, degrees) - rendered).abs() < 5e-4, "{degrees}");
+            assert!(
+                (fresnel::conductor(eta, k, libm::cos(degrees.to_radians())) - rendered).abs() > 1.4e-3,
+                "{degrees}"
+            );
+        }
+        assert!((at(0.2, 3.9, 0.0) - fresnel::head_on(0.2, 3.9)).abs() < 1e-12);
+    }
 }

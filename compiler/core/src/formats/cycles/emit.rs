@@ -110,7 +110,7 @@ fn description(emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out)?;
     scene.shapes.values().try_for_each(|shape| known.shape(shape, "", out))?;
     for light in scene.lights.values() {
-        light_source(light, out)?;
+        light_source(light, &textures, out)?;
     }
     let groups = Words::default().assign(scene.groups.values().map(|group| group.name.as_str()));
     for (item, id) in scene.groups.values().zip(&groups) {
@@ -188,14 +188,11 @@ fn principled(base: &str, metallic: f64, roughness: f64, ior: f64) -> String {
     format!("principled({base}, metallic={metallic}, roughness={roughness}, ior={ior})")
 }
 
-fn light_source(light: &LightSource, out: &mut dyn Write) -> io::Result<()> {
+fn light_source(light: &LightSource, textures: &[String], out: &mut dyn Write) -> io::Result<()> {
     let LightSource { name, kind } = light;
     let name = literal(name);
     match kind {
-        LightKind::Environment { radiance } => {
-            let grey = Color::Grey(formats::STAND_IN);
-            writeln!(out, "environment({})", rgb(radiance.color().unwrap_or(&grey)))
-        }
+        LightKind::Environment { radiance } => writeln!(out, "environment({})", paint(radiance, textures)),
         LightKind::Point { position, intensity } => {
             writeln!(out, "point({name}, {}, intensity={})", tuple(position), rgb(intensity))
         }

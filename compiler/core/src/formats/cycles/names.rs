@@ -26,6 +26,12 @@ pub fn spot_blend(angle: f64, inner: f64) -> f64 {
     if outer < 1.0 { ((inner - outer) / (1.0 - outer)).clamp(0.0, 1.0) } else { 0.0 }
 }
 
+/// The half angle at which a spot begins to fade, of its `angle` and its `blend`: the inverse of [`spot_blend`].
+pub fn spot_inner(angle: f64, blend: f64) -> f64 {
+    let outer = libm::cos(angle.to_radians());
+    libm::acos((outer + blend * (1.0 - outer)).clamp(-1.0, 1.0)).to_degrees()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -40,5 +46,8 @@ mod tests {
         assert_eq!(spot_blend(30.0, 30.0), 0.0);
         assert_eq!(spot_blend(30.0, 0.0), 1.0);
         assert_eq!(spot_blend(0.0, 0.0), 0.0);
+        for inner in [0.0, 10.0, 29.0] {
+            assert!((spot_inner(30.0, spot_blend(30.0, inner)) - inner).abs() < 1e-5);
+        }
     }
 }

@@ -5,7 +5,9 @@ mod container;
 mod conversions;
 mod document;
 mod emit;
+pub mod import;
 mod instancing;
+mod json;
 pub mod names;
 mod nodes;
 mod surface;
@@ -29,6 +31,7 @@ pub const GLTF: Target = Target {
                   must know; sheared uses stay nodes",
     }],
     emit: emit::separate,
+    import: Some(import::import),
 };
 
 /// glTF 2.0 in one binary file, images inside.

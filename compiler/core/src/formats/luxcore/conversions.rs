@@ -27,11 +27,15 @@ pub const CONVERSIONS: &[(Feature, &str)] = &[
     (Feature::Seed, "seed + 1: LuxCore's 0 and 1 are the same"),
 ];
 
-/// Metals: the Fresnel term with the numbers that are written, and Schlick's masking.
+/// Metals: the Fresnel term with the numbers that are written, Schlick's masking, and what samples of the lobe lose.
 pub fn bound(feature: Feature, scene: &Scene) -> Option<Bound> {
     let metals = || bounds::metals(scene, feature);
+    let masking = || {
+        let of = |masking| bounds::of_masking(metals(), masking);
+        bounds::larger(of(Masking::Schlick), of(Masking::SchlickSampled))
+    };
     if feature == Feature::WideConductor {
-        return bounds::of_masking(metals(), Masking::Schlick);
+        return masking();
     }
     if feature != Feature::SmoothConductor && feature != Feature::RoughConductor {
         return None;
@@ -40,5 +44,5 @@ pub fn bound(feature: Feature, scene: &Scene) -> Option<Bound> {
         let Fit { n, k, rms: _, most: _ } = fresnel::fit(eta, k);
         move |cosine| fresnel::approximate(n, k, cosine)
     });
-    bounds::larger(fresnel, bounds::of_masking(metals(), Masking::Schlick))
+    bounds::both(fresnel, masking())
 }

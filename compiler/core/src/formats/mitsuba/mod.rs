@@ -2,7 +2,10 @@
 
 mod conversions;
 mod emit;
+pub mod import;
 pub mod names;
+mod scatter;
+mod xml;
 
 use super::Target;
 use crate::capability::{Feature, Support};
@@ -21,6 +24,7 @@ pub const MITSUBA_3: Target = Target {
     bound: |_, _| None,
     choices: &[],
     emit: |emission, sink| emit::emit(Version::V3, emission, sink),
+    import: Some(|main, source| import::import(Version::V3, main, source)),
 };
 
 /// Mitsuba 0.6.
@@ -35,6 +39,7 @@ pub const MITSUBA_0_6: Target = Target {
     bound: |_, _| None,
     choices: &[],
     emit: |emission, sink| emit::emit(Version::V06, emission, sink),
+    import: Some(|main, source| import::import(Version::V06, main, source)),
 };
 
 /// Mitsuba 0.5.
@@ -49,6 +54,7 @@ pub const MITSUBA_0_5: Target = Target {
     bound: |_, _| None,
     choices: &[],
     emit: |emission, sink| emit::emit(Version::V05, emission, sink),
+    import: Some(|main, source| import::import(Version::V05, main, source)),
 };
 
 fn supports(version: Version, feature: Feature) -> Support {

@@ -45,6 +45,18 @@ pub fn larger(a: Option<Bound>, b: Option<Bound>) -> Option<Bound> {
     }
 }
 
+/// Two bounds that hold at once: the larger product of both changes.
+pub fn both(a: Option<Bound>, b: Option<Bound>) -> Option<Bound> {
+    match (a, b) {
+        (Some(a), Some(b)) => {
+            let size = (1.0 + a.size) * (1.0 + b.size) - 1.0;
+            let what = format!("of it: {:.2} % {}, and {:.2} % {}", 100.0 * a.size, a.what, 100.0 * b.size, b.what);
+            Some(Bound { size, what })
+        }
+        (a, b) => a.or(b),
+    }
+}
+
 /// The largest share by which a Fresnel term differs from the exact one, over metals, channels and angles up to 85 degrees.
 /// `term` takes `eta` and `k` and gives what the target computes for a cosine.
 pub fn of_fresnel<'s, F: Fn(f64) -> f64>(

@@ -1,4 +1,4 @@
-//! Fresnel terms of metals, for what formats write and for how far they are off.
+//! Fresnel terms, for what formats write and for how far they are off.
 
 /// The reflectance of a metal in vacuum for unpolarised light (Born and Wolf, "Principles of Optics", section 14.2, as in
 /// `FrConductor` of PBRT); `cosine` of the angle of incidence.
@@ -24,6 +24,19 @@ pub fn schlick(head_on: f64, cosine: f64) -> f64 {
     head_on + (1.0 - head_on) * rest * rest * rest * rest * rest
 }
 
+/// The reflectance of a clear material whose index of refraction is `eta` against what lies before it (Born and Wolf,
+/// section 1.5.2); 1 where all light is reflected.
+pub fn dielectric(eta: f64, cosine: f64) -> f64 {
+    let sin2 = (1.0 - cosine * cosine) / (eta * eta);
+    if sin2 >= 1.0 {
+        return 1.0;
+    }
+    let inner = (1.0 - sin2).sqrt();
+    let across = (cosine - eta * inner) / (cosine + eta * inner);
+    let along = (eta * cosine - inner) / (eta * cosine + inner);
+    0.5 * (across * across + along * along)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -42,5 +55,10 @@ mod tests {
     fn a_dielectric_has_the_textbook_reflectance() {
         // Glass of 1.5 at 60 degrees: Rs 0.177, Rp 0.0018.
         assert!((conductor(1.5, 0.0, 0.5) - 0.0892).abs() < 1e-3);
+        assert!((dielectric(1.5, 0.5) - conductor(1.5, 0.0, 0.5)).abs() < 1e-12);
+        // All light is reflected beyond asin(1 / 1.5) = 41.8 degrees from inside.
+        assert!(dielectric(1.0 / 1.5, 0.5) == 1.0 && dielectric(1.0, 0.3) < 1e-12);
+        // By hand: sine 0.6 becomes 0.9; Rs 0.2182, Rp 0.0101.
+        assert!((dielectric(1.0 / 1.5, 0.8) - 0.1141).abs() < 1e-3);
     }
 }

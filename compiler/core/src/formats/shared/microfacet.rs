@@ -11,6 +11,11 @@ pub enum Masking {
     HeightCorrelated,
     /// Schlick's approximation: LuxCore's `metal2` (`SchlickDistribution_G`), x / (x (1 - r) + r) with r = alpha^2.
     Schlick,
+    /// The same where light is found by samples of the lobe: LuxCore draws facets with the density `D cos` and divides by `D`
+    /// (`SchlickDistribution_SampleH`, whose `pdf` is `d`), so that the cosine is lost. With light sampling beside it the loss is
+    /// smaller. In even light, seen at 0, 60 and 78.5 degrees, that predicts 0.91, 0.82, 0.79 of Smith's albedo for `alpha` 0.5 and
+    /// 0.77, 0.52, 0.38 for 1; 2.11.2 renders 0.92, 0.82, 0.79 and 0.79, 0.52, 0.38.
+    SchlickSampled,
 }
 
 impl Masking {
@@ -24,7 +29,15 @@ impl Masking {
         match self {
             Self::Smith => 1.0 / ((1.0 + lambda(cosine_in)) * (1.0 + lambda(cosine_out))),
             Self::HeightCorrelated => 1.0 / (1.0 + lambda(cosine_in) + lambda(cosine_out)),
-            Self::Schlick => schlick(cosine_in) * schlick(cosine_out),
+            Self::Schlick | Self::SchlickSampled => schlick(cosine_in) * schlick(cosine_out),
+        }
+    }
+
+    /// The share of light that its samples find, of what the term says, for a facet of this cosine.
+    fn found(self, facet_cosine: f64) -> f64 {
+        match self {
+            Self::SchlickSampled => facet_cosine,
+            Self::Smith | Self::HeightCorrelated | Self::Schlick => 1.0,
         }
     }
 }
@@ -51,7 +64,7 @@ pub fn albedo(alpha: f64, cosine: f64, masking: Masking) -> f64 {
             let along = sine * facet_sine * azimuth + cosine * facet_cosine;
             let out = 2.0 * along * facet_cosine - cosine;
             if along > 0.0 && out > 0.0 {
-                sum += masking.of(alpha, cosine, out) * along / (cosine * facet_cosine);
+                sum += masking.of(alpha, cosine, out) * masking.found(facet_cosine) * along / (cosine * facet_cosine);
             }
         }
     }
@@ -90,6 +103,18 @@ mod tests {
             for (cosine, expected) in [1.0, 0.5, 0.2].into_iter().zip(changes) {
                 let found = change(alpha, cosine, Masking::Schlick);
                 assert!((found - expected).abs() < 0.011, "{alpha} {cosine}: {found} for {expected}");
+            }
+        }
+    }
+
+    /// The whole loss lies between none of the light and all of it found by samples of the lobe.
+    #[test]
+    fn samples_that_lose_a_cosine_darken() {
+        let rendered = [(0.5, [-0.076, -0.181, -0.214]), (1.0, [-0.211, -0.475, -0.625])];
+        for (alpha, changes) in rendered {
+            for (cosine, found) in [1.0, 0.5, 0.2].into_iter().zip(changes) {
+                let least = change(alpha, cosine, Masking::SchlickSampled);
+                assert!(least < found && found < change(alpha, cosine, Masking::Schlick), "{alpha} {cosine}: {least}");
             }
         }
     }

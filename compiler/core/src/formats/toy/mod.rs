@@ -25,6 +25,7 @@ pub const TOY: Target = Target {
     bound: |_, _| None,
     choices: &[],
     emit,
+    import: None,
 };
 
 const COLOUR: Support = Support::approximate("a surface is one colour", "what it reflects at normal incidence");
@@ -174,6 +175,7 @@ mod tests {
     use super::*;
     use crate::capability::features;
     use crate::diag::Sources;
+    use crate::eval::{Overrides, evaluate};
     use crate::files::{MemoryFiles, MemorySink, VPath};
     use crate::formats::tests::{emitted, text};
     use crate::ledger::{FILE, Ledger};
@@ -216,8 +218,8 @@ mod tests {
         assert_eq!(TARGETS.last().map(|target| target.name), Some("toy"));
         for (file, _) in FILES.iter().filter(|(name, _)| !name.contains('/')) {
             let path = VPath::resolve("", file).expect("a path");
-            let checked = pipeline::check(&files, &mut Sources::default(), &path, &pipeline::Options::default());
-            let scene = checked.scene.unwrap_or_else(|| panic!("{file}: {:?}", checked.findings));
+            let made = evaluate(&files, &mut Sources::default(), &path, &Overrides::default());
+            let scene = made.scene.unwrap_or_else(|| panic!("{file}: {:?}", made.findings));
             let (scene, _) = pipeline::prepare(scene).expect("a valid scene");
             let camera = pipeline::camera(&scene, None).expect("a camera");
             let ledger = Ledger::of(&scene, target, &[]);

@@ -1,0 +1,273 @@
+//! `ltsc agree`: scenes in several renderers with several seeds, and whether the images agree beyond their noise.
+
+mod page;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use ltsc_core::eval::Overrides;
+use ltsc_core::ir::Scene;
+use ltsc_core::ledger::Ledger;
+use ltsc_core::pipeline;
+use ltsc_core::valid::Valid;
+use ltsc_render::compare::{Agreement, Bounds};
+use ltsc_render::image::{Image, Provenance, read, reduce, write_exr};
+use ltsc_render::run::{Driver, Rendered};
+use serde_json::json;
+
+use crate::args::{Agree, Format};
+use crate::output::{Exit, Failure};
+use crate::project::{self, Project};
+use crate::terminal::{self, Bar};
+
+use super::render::find_driver;
+use super::rendering::{is_there, lacks, rendered};
+use super::shared::{all_files_of, check, overrides, report};
+use page::{Row, Side};
+
+/// Metals in LuxCore: the share by which means may differ, for its Fresnel term is an approximation even when fitted.
+const METALS: f64 = 0.01;
+
+/// The renderers that are compared unless others are named.
+const DEFAULT: [&str; 3] = ["mitsuba-3", "luxcore", "cycles"];
+
+/// What one renderer made of a scene.
+struct Made {
+    side: Side,
+    images: Vec<Image>,
+    /// Whether the target says metals approximately.
+    metals: bool,
+}
+
+pub fn run(command: &Agree) -> Result<Exit, Failure> {
+    if command.check {
+        return check_page(command);
+    }
+    let drivers: Vec<&'static Driver> = if command.renderer.is_empty() {
+        DEFAULT.iter().map(|name| find_driver(name)).collect::<Result<_, _>>()?
+    } else {
+        command.renderer.iter().map(|name| find_driver(name)).collect::<Result<_, _>>()?
+    };
+    if command.seeds < 2 {
+        return Err(Failure::new(Exit::Usage, "one image tells nothing of its noise").help("ask for 4 seeds or more"));
+    }
+    if drivers.len() < 2 && command.reference.is_none() {
+        return Err(Failure::new(Exit::Usage, "one renderer has nothing to agree with")
+            .help("name a second one, or images by `--reference`"));
+    }
+    let (mut rows, mut exit) = (Vec::new(), Exit::Done);
+    for (project, files) in all_files_of(&command.scenes)? {
+        for file in &files {
+            match scene_of(command, &project, file)? {
+                Ok(Some(scene)) => rows.extend(scene_rows(command, &project, &scene, &drivers)?),
+                Ok(None) => {}
+                Err(refused) => exit = exit.max(refused),
+            }
+        }
+    }
+    if let Some(record) = &command.record {
+        page::record(record, &rows)?;
+    }
+    if command.format == Format::Json {
+        let rows: Vec<serde_json::Value> = rows.iter().map(|row| json!(row)).collect();
+        terminal::print(&format!("{:#}\n", json!({ "rows": rows })));
+    }
+    let differ = rows.iter().filter(|row| !row.failures.is_empty()).count();
+    terminal::say(&format!(
+        "{} comparison{}, {differ} without agreement",
+        rows.len(),
+        if rows.len() == 1 { "" } else { "s" }
+    ));
+    Ok(exit.max(if differ > 0 { Exit::No } else { Exit::Done }))
+}
+
+/// The scene in `file` at the size asked for; none for a library.
+fn scene_of(command: &Agree, project: &Project, file: &PathBuf) -> Result<Result<Option<Valid>, Exit>, Failure> {
+    let wanted = Overrides {
+        width: Some(command.size),
+        height: Some(command.size),
+        samples: Some(command.samples),
+        set: overrides(&command.settings())?.set,
+        ..Overrides::default()
+    };
+    let files = check(project, std::slice::from_ref(file), &command.findings(), wanted, &[])?;
+    let (exit, _) = report(&files, Vec::new(), Format::Human, false, true);
+    if exit != Exit::Done {
+        return Ok(Err(exit));
+    }
+    let Some(scene) = files.into_iter().next().and_then(|file| file.checked.scene) else { return Ok(Ok(None)) };
+    let name = scene.name.clone();
+    let (scene, _) = pipeline::prepare(scene)
+        .map_err(|_| Failure::new(Exit::Input, format!("the scene `{name}` cannot be rendered")))?;
+    Ok(Ok(Some(scene)))
+}
+
+/// Renders a scene with all renderers and compares them in pairs, and with the reference where there is one.
+fn scene_rows(
+    command: &Agree,
+    project: &Project,
+    scene: &Valid,
+    drivers: &[&'static Driver],
+) -> Result<Vec<Row>, Failure> {
+    let mut made: Vec<Made> = reference(command, scene)?.into_iter().collect();
+    for driver in drivers {
+        let named = !command.renderer.is_empty();
+        if !is_there(driver, project) {
+            let message = format!("{} is not there", driver.name);
+            if named {
+                return Err(
+                    Failure::new(Exit::Environment, message).help(format!("`ltsc renderers install {}`", driver.name))
+                );
+            }
+            terminal::say(&format!("{message}: left out"));
+            continue;
+        }
+        if lacks(driver, scene)? {
+            terminal::say(&format!("{}: {} lacks `{}`: left out", scene.name, driver.name, scene.integrator.word()));
+            continue;
+        }
+        made.push(images(command, project, scene, driver)?);
+    }
+    let mut rows = Vec::new();
+    for (at, a) in made.iter().enumerate() {
+        for b in &made[at + 1..] {
+            let row = compare(command, scene, a, b)?;
+            if command.format != Format::Json {
+                terminal::print(&format!("{}\n", row.line()));
+                row.failures.iter().for_each(|failure| terminal::print(&format!("    {failure}\n")));
+            }
+            rows.push(row);
+        }
+    }
+    Ok(rows)
+}
+
+fn compare(command: &Agree, scene: &Scene, a: &Made, b: &Made) -> Result<Row, Failure> {
+    let agreement = Agreement::of(&a.images, &b.images).map_err(|error| {
+        let (one, other) = (&a.side.name, &b.side.name);
+        Failure::new(Exit::Environment, format!("{}: {one} and {other}: {error}", scene.name)).help(error.hint())
+    })?;
+    let bounds = if a.metals || b.metals { Bounds { mean: METALS, ..Bounds::default() } } else { Bounds::default() };
+    let failures = agreement.failures(bounds);
+    Ok(Row {
+        scene: scene.name.clone(),
+        settings: command.set.clone(),
+        size: command.size,
+        samples: command.samples,
+        a: a.side.clone(),
+        b: b.side.clone(),
+        bound: bounds.mean,
+        agreement,
+        failures,
+    })
+}
+
+/// The images of the reference: `SCENE.exr`, or `SCENE-0.exr`, `SCENE-1.exr` and so on, in the folder asked for.
+fn reference(command: &Agree, scene: &Scene) -> Result<Option<Made>, Failure> {
+    let Some(folder) = &command.reference else { return Ok(None) };
+    let mut files = vec![folder.join(format!("{}.exr", scene.name))];
+    files.extend((0..).map(|at| folder.join(format!("{}-{at}.exr", scene.name))).take_while(|file| file.is_file()));
+    let mut images = Vec::new();
+    for file in files.iter().filter(|file| file.is_file()) {
+        let unreadable = |error: ltsc_render::image::ImageError| {
+            let help = error.hint().to_owned();
+            Failure::new(Exit::Input, error.to_string()).help(help)
+        };
+        let (image, _) = read(file).map_err(unreadable)?;
+        let size = command.size as usize;
+        images.push(if image.width == size { image } else { reduce(&image, size, size).map_err(unreadable)? });
+    }
+    if images.is_empty() {
+        terminal::say(&format!("{}: no reference in {}", scene.name, folder.display()));
+        return Ok(None);
+    }
+    let version = command.reference_name.clone().unwrap_or_default();
+    Ok(Some(Made { side: Side { name: "reference".to_owned(), version, seconds: None }, images, metals: false }))
+}
+
+/// One image for each seed; those in the folder of kept images that are of the same scene and settings are taken from there.
+fn images(command: &Agree, project: &Project, scene: &Valid, driver: &'static Driver) -> Result<Made, Failure> {
+    let target = project::target(driver.target)?;
+    let what = format!("{} ({})", scene.name, driver.name);
+    let metals = Ledger::of(scene, target, &[]).approximated.iter().any(|one| one.what.contains("conductor"));
+    let mut side = Side { name: driver.name.to_owned(), version: String::new(), seconds: Some(0.0) };
+    let mut images = Vec::new();
+    let mut bar = Bar::new(u64::from(command.seeds), &what);
+    let hash = hash(scene, command);
+    for seed in 0..command.seeds {
+        let seed = command.first_seed + seed;
+        let kept = command
+            .keep
+            .as_ref()
+            .map(|folder| folder.join(&scene.name).join(format!("{}-{}-{seed}.exr", driver.name, &hash[..12])));
+        let known = kept.as_deref().and_then(|file| known(file, &hash));
+        let (image, version, seconds) = match known {
+            Some(known) => known,
+            None => {
+                let timeout = Some(Duration::from_secs(command.timeout));
+                let done = rendered(project, scene, driver, (command.samples, seed), timeout, &mut |_| bar.say(&what));
+                let Rendered { image, renderer_version, seconds, samples_done, .. } = done?;
+                if let Some(file) = &kept {
+                    let provenance = Provenance {
+                        scene: scene.name.clone(),
+                        scene_hash: hash.clone(),
+                        version: env!("CARGO_PKG_VERSION").to_owned(),
+                        renderer: driver.name.to_owned(),
+                        renderer_version: renderer_version.clone(),
+                        samples: samples_done,
+                        seed: u64::from(seed),
+                        seconds,
+                        extra: Vec::new(),
+                    };
+                    keep(file, &image, &provenance)?;
+                }
+                (image, renderer_version, seconds)
+            }
+        };
+        side.version = version;
+        side.seconds = side.seconds.map(|sum| sum + seconds);
+        images.push(image);
+        bar.set(images.len() as u64);
+    }
+    bar.finish();
+    Ok(Made { side, images, metals })
+}
+
+fn keep(file: &Path, image: &Image, provenance: &Provenance) -> Result<(), Failure> {
+    let folder = file.parent().unwrap_or(Path::new("."));
+    fs::create_dir_all(folder)
+        .map_err(|error| Failure::new(Exit::Environment, format!("{}: {error}", folder.display())))?;
+    write_exr(file, image, provenance)
+        .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))
+}
+
+/// An image rendered before, with its renderer's version and time, if it is of this scene and these settings.
+fn known(file: &Path, hash: &str) -> Option<(Image, String, f64)> {
+    let (image, attributes) = read(file).ok()?;
+    let of = Provenance::from_attributes(&attributes);
+    (of.scene_hash == hash).then_some((image, of.renderer_version, of.seconds))
+}
+
+/// A hash of everything that decides how an image looks, but for renderer and seed.
+fn hash(scene: &Scene, command: &Agree) -> String {
+    let mut hasher = blake3::Hasher::new();
+    hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
+    hasher.update(format!("{scene:?} {} {}", command.size, command.samples).as_bytes());
+    hasher.finalize().to_hex().to_string()
+}
+
+/// Whether the page is what the record says; nothing is rendered.
+fn check_page(command: &Agree) -> Result<Exit, Failure> {
+    let Some(record) = &command.record else {
+        return Err(
+            Failure::new(Exit::Usage, "`--check` compares a record with its page").help("add `--record FILE.json`")
+        );
+    };
+    if page::is_fresh(record)? {
+        terminal::say(&format!("{} is up to date", page::beside(record).display()));
+        return Ok(Exit::Done);
+    }
+    terminal::print(&format!("stale: {}\n", page::beside(record).display()));
+    Ok(Exit::No)
+}

@@ -1,0 +1,199 @@
+//! `ltsc conventions`: micro-scenes with known answers through real renderers, and a page of what holds where.
+
+mod formula;
+mod ideal;
+mod judge;
+mod kinds;
+mod measure;
+mod page;
+mod render;
+mod report;
+mod results;
+mod scene;
+mod table;
+#[cfg(test)]
+mod tests;
+
+use std::path::Path;
+use std::time::Duration;
+
+use ltsc_core::diag::nearest;
+use ltsc_core::formats::Target;
+use ltsc_render::run::Driver;
+
+use crate::args::{Conventions, Format};
+use crate::disk::{unwritable, write_atomically};
+use crate::output::{Exit, Failure};
+use crate::project::{self, Project};
+use crate::terminal::{self, Bar};
+
+use super::render::find_driver;
+use judge::Verdict;
+use kinds::Convention;
+use render::Runner;
+use results::{Asked, Results, Row};
+
+pub fn run(command: &Conventions) -> Result<Exit, Failure> {
+    let chosen = chosen(&command.only)?;
+    if command.list {
+        terminal::print(&report::list(&chosen, command.format == Format::Json)?);
+        return Ok(Exit::Done);
+    }
+    let drivers = command.renderer.iter().map(|name| find_driver(name)).collect::<Result<Vec<_>, _>>()?;
+    if let (true, Some(pages)) = (command.stored, &command.output) {
+        return stored(pages, command.check);
+    }
+    if drivers.is_empty() {
+        let known: Vec<&str> = ltsc_render::run::DRIVERS.iter().map(|driver| driver.name).collect();
+        return Err(Failure::new(Exit::Usage, "no renderer is named")
+            .help(format!("add `--renderer NAME`: {}; or `--list`", known.join(", "))));
+    }
+    if drivers.len() > 1 && command.executable.is_some() {
+        return Err(Failure::new(Exit::Usage, "one executable cannot be several renderers").help("name one renderer"));
+    }
+    // All of them are looked for before the first one starts.
+    let runners = drivers.iter().map(|driver| runner(command, driver)).collect::<Result<Vec<_>, _>>()?;
+    let asked = asked(&chosen)?;
+    let mut all = Vec::new();
+    for runner in &runners {
+        let results = measured(runner, &asked)?;
+        if command.format != Format::Json {
+            terminal::print(&report::table(&results));
+        }
+        all.push(results);
+    }
+    if command.format == Format::Json {
+        terminal::print(&report::json(&all));
+    }
+    if let Some(pages) = &command.output {
+        for results in &all {
+            for line in report::moved(&results::load(pages)?, results) {
+                terminal::say(&line);
+            }
+            let path = results::save(pages, results)?;
+            terminal::say(&format!("{} written", path.display()));
+        }
+        stored(pages, false)?;
+    }
+    let worst = all.iter().flat_map(|results| &results.rows).map(|row| row.verdict).max();
+    Ok(if worst == Some(Verdict::Fails) { Exit::No } else { Exit::Done })
+}
+
+/// The conventions called so, in the order of the table; all of them if nothing is named.
+fn chosen(only: &[String]) -> Result<Vec<&'static Convention>, Failure> {
+    for name in only {
+        if table::all().any(|convention| convention.name == name) {
+            continue;
+        }
+        let failure = Failure::new(Exit::Usage, format!("there is no convention `{name}`"));
+        return Err(match nearest(name, table::all().map(|convention| convention.name)) {
+            Some(similar) => failure.help(format!("did you mean `{similar}`?")),
+            None => failure.help("`ltsc conventions --list` shows them"),
+        });
+    }
+    let wanted = |convention: &&Convention| only.is_empty() || only.iter().any(|name| name == convention.name);
+    Ok(table::all().filter(wanted).collect())
+}
+
+fn runner(command: &Conventions, driver: &'static Driver) -> Result<Runner, Failure> {
+    let project = Project::here().ok();
+    let configured = project.as_ref().and_then(|project| project.executables.get(driver.name));
+    Runner::find(
+        driver,
+        command.executable.as_deref(),
+        configured.map(std::path::PathBuf::as_path),
+        command.threads as usize,
+        Duration::from_secs(command.timeout),
+    )
+}
+
+/// All views with their answers; what is wrong with a scene shows before the first one is rendered.
+fn asked(chosen: &[&'static Convention]) -> Result<Vec<Asked>, Failure> {
+    let views = chosen.iter().flat_map(|convention| convention.views.iter().map(|view| (*convention, view)));
+    views.map(|(convention, view)| Asked::new(convention, view)).collect()
+}
+
+/// Renders all views and measures them.
+fn measured(runner: &Runner, asked: &[Asked]) -> Result<Results, Failure> {
+    let target = project::target(runner.driver.target)?;
+    let mut bar = Bar::new(asked.len() as u64, runner.driver.name);
+    let mut version = runner.found.version.clone();
+    let mut rows = Vec::new();
+    for (done, one) in (0..).zip(asked) {
+        bar.set(done);
+        bar.say(&format!("{} ({})", one.convention.name, runner.driver.name));
+        let image = match runner.image(&one.scene)? {
+            Ok(rendered) => {
+                version = Some(rendered.renderer_version).filter(|found| !found.is_empty()).unwrap_or(version);
+                Ok(rendered.image)
+            }
+            Err(error) => Err(error.to_string()),
+        };
+        for (check, expected) in one.checks() {
+            let ideal = || ideal::Ideal::new(&one.scene).image();
+            let measured = image.as_ref().map(|image| measure::measure(&check.measure, image, &ideal));
+            rows.push(one.row(check, expected, (runner.driver, target), measured.map_err(Clone::clone)));
+        }
+    }
+    bar.finish();
+    Ok(Results { renderer: runner.driver.name.to_owned(), version, rows })
+}
+
+/// Judges what is kept again, and writes the page; with `check` only says what would change.
+fn stored(pages: &Path, check: bool) -> Result<Exit, Failure> {
+    let all: Vec<&'static Convention> = table::all().collect();
+    let asked = asked(&all)?;
+    let mut kept = results::load(pages)?;
+    let mut stale = Vec::new();
+    for results in &mut kept {
+        let driver = find_driver(&results.renderer)?;
+        let target = project::target(driver.target)?;
+        let before = results::text(results);
+        results.rows = again(&results.rows, &asked, (driver, target));
+        let after = results::text(results);
+        if before != after {
+            stale.push((results::file(pages, &results.renderer, &results.version), after));
+        }
+    }
+    let path = pages.join("renderers.md");
+    let page = page::page(&kept, &asked)?;
+    if !std::fs::read(&path).is_ok_and(|there| there == page.as_bytes()) {
+        stale.push((path, page));
+    }
+    for (path, text) in &stale {
+        if check {
+            terminal::print(&format!("stale: {}\n", path.display()));
+        } else {
+            write_atomically(path, &mut |out| out.write_all(text.as_bytes()))
+                .map_err(|error| unwritable(pages, &error))?;
+            terminal::print(&format!("{} written\n", path.display()));
+        }
+    }
+    let place = pages.display();
+    match (stale.is_empty(), check) {
+        (true, _) => terminal::say(&format!("{place}: nothing to do, all results and the page are up to date")),
+        (false, true) => {
+            terminal::say(&format!(
+                "{place} is stale; `ltsc conventions --output {place} --stored` brings it up to date"
+            ));
+        }
+        (false, false) => {}
+    }
+    Ok(if check && !stale.is_empty() { Exit::No } else { Exit::Done })
+}
+
+/// The rows of the checks that were measured, judged by the table of today.
+fn again(rows: &[Row], asked: &[Asked], by: (&Driver, &Target)) -> Vec<Row> {
+    let mut all = Vec::new();
+    for one in asked {
+        for (check, expected) in one.checks() {
+            let Some(row) = rows.iter().find(|row| one.is(check, row)) else { continue };
+            let measured = match (row.measured, &row.because) {
+                (None, Some(reason)) => Err(reason.clone()),
+                (measured, _) => Ok(measured),
+            };
+            all.push(one.row(check, expected, by, measured));
+        }
+    }
+    all
+}

@@ -1,0 +1,197 @@
+//! What was measured with a renderer, as it is kept: one JSON file for each renderer and version.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use ltsc_core::formats::Target;
+use ltsc_core::valid::Valid;
+use ltsc_render::run::Driver;
+use serde::{Deserialize, Serialize};
+
+use super::judge::{Verdict, deviation, judge};
+use super::kinds::{Check, Convention, Expected, Measure, View};
+use super::{ideal, measure, scene};
+use crate::disk::write_atomically;
+use crate::output::{Exit, Failure};
+
+/// What came of all conventions with one renderer.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Results {
+    /// The renderer's name.
+    pub renderer: String,
+    /// Its version, as it says.
+    pub version: String,
+    /// In the order of the table.
+    pub rows: Vec<Row>,
+}
+
+/// What came of one check.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Row {
+    /// The name of the scene.
+    pub convention: String,
+    /// The view; empty for the only one.
+    pub view: String,
+    /// The check.
+    pub check: String,
+    /// The answer.
+    pub expected: f64,
+    /// What was measured; none where the image has no finite number, or there is no image.
+    pub measured: Option<f64>,
+    /// Measured minus expected, as a share of it where `relative`.
+    pub deviation: Option<f64>,
+    /// How large the deviation may be.
+    pub bound: f64,
+    /// Whether deviation and bound are shares of the answer.
+    pub relative: bool,
+    /// What follows.
+    pub verdict: Verdict,
+    /// Where a deviation is stated, or why there is no number.
+    pub because: Option<String>,
+}
+
+impl Row {
+    /// The check with its view: `64 x 32, width`.
+    pub fn what(&self) -> String {
+        what(&self.view, &self.check)
+    }
+}
+
+/// A check with its view, in words.
+pub fn what(view: &str, check: &str) -> String {
+    if view.is_empty() { check.to_owned() } else { format!("{view}, {check}") }
+}
+
+/// Six digits tell all there is to know, and keep files small.
+pub fn rounded(value: f64) -> f64 {
+    if value == 0.0 || !value.is_finite() {
+        return value;
+    }
+    let scale = 10_f64.powi(5 - value.abs().log10().floor() as i32);
+    (value * scale).round() / scale
+}
+
+/// A view with its scene and the answers of its checks, none of which depends on the renderer.
+pub struct Asked {
+    pub convention: &'static Convention,
+    pub view: &'static View,
+    pub scene: Valid,
+    /// One for each check.
+    pub expected: Vec<f64>,
+}
+
+impl Asked {
+    /// Works the answers out.
+    pub fn new(convention: &'static Convention, view: &'static View) -> Result<Self, Failure> {
+        let scene = scene::prepared(convention, view)?;
+        let of = |check: &Check| match (check.expected, check.measure) {
+            (Expected::Number(value) | Expected::Reference { value, by: _ }, _) => value,
+            (Expected::Formula(formula), _) => formula(),
+            (Expected::Ideal, Measure::Mean(region, channel)) => {
+                measure::of(ideal::Ideal::new(&scene).mean(&region), channel)
+            }
+            // A test refuses such rows.
+            (Expected::Ideal, _) => f64::NAN,
+        };
+        let expected = view.checks.iter().map(of).map(rounded).collect();
+        Ok(Self { convention, view, scene, expected })
+    }
+
+    /// The checks with their answers.
+    pub fn checks(&self) -> impl Iterator<Item = (&'static Check, f64)> {
+        self.view.checks.iter().zip(self.expected.iter().copied())
+    }
+
+    /// Whether a row is of this check.
+    pub fn is(&self, check: &Check, row: &Row) -> bool {
+        (self.convention.name, self.view.name, check.name) == (&row.convention, &row.view, &row.check)
+    }
+
+    /// The row of a check for what was measured with a renderer, or the reason why nothing was.
+    pub fn row(
+        &self,
+        check: &Check,
+        expected: f64,
+        (driver, target): (&Driver, &Target),
+        measured: Result<Option<f64>, String>,
+    ) -> Row {
+        let (bound, relative) = check.tolerance.parts();
+        let bound = rounded(bound + step(driver) * if relative { 1.0 } else { expected.abs() });
+        let (measured, (verdict, because)) = match measured {
+            Ok(measured) => {
+                let measured = measured.map(rounded);
+                (measured, judge(check, target, &self.scene, expected, measured, bound))
+            }
+            Err(reason) => (None, (Verdict::Fails, Some(reason))),
+        };
+        Row {
+            convention: self.convention.name.to_owned(),
+            view: self.view.name.to_owned(),
+            check: check.name.to_owned(),
+            expected,
+            measured,
+            deviation: measured.map(|measured| rounded(deviation(check.tolerance, expected, measured))),
+            bound,
+            relative,
+            verdict,
+            because,
+        }
+    }
+}
+
+/// How well the numbers of a renderer's image are known, as a share: rs_pbrt writes 8 bits, which its driver reads at several
+/// exposures; half of what lies between two codes is at most 1.1 % (`renderers/src/run/brackets.rs`).
+fn step(driver: &Driver) -> f64 {
+    if driver.precision > COARSE { 0.011 } else { 0.0 }
+}
+
+/// Drivers that hand numbers over as they are have a smaller precision than this.
+const COARSE: f32 = 1e-3;
+
+/// The folder of stored results below that of the pages.
+pub fn folder(pages: &Path) -> PathBuf {
+    pages.join("renderers")
+}
+
+/// The file of a renderer and version.
+pub fn file(pages: &Path, renderer: &str, version: &str) -> PathBuf {
+    let safe: String = version.chars().map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '_' }).collect();
+    folder(pages).join(format!("{renderer}-{safe}.json"))
+}
+
+/// All stored results, by renderer and version.
+pub fn load(pages: &Path) -> Result<Vec<Results>, Failure> {
+    let folder = folder(pages);
+    let Ok(entries) = fs::read_dir(&folder) else { return Ok(Vec::new()) };
+    let mut paths: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    paths.retain(|path| path.extension().is_some_and(|ending| ending == "json"));
+    paths.sort();
+    let mut all = BTreeMap::new();
+    for path in paths {
+        let bad = |problem: String| {
+            Failure::new(Exit::Input, format!("{}: {problem}", path.display()))
+                .help("measure it again: `ltsc conventions --renderer NAME --output DIR`")
+        };
+        let text = fs::read_to_string(&path).map_err(|error| bad(error.to_string()))?;
+        let results: Results = serde_json::from_str(&text).map_err(|error| bad(error.to_string()))?;
+        all.insert((results.renderer.clone(), results.version.clone()), results);
+    }
+    Ok(all.into_values().collect())
+}
+
+/// The text of a file of results.
+pub fn text(results: &Results) -> String {
+    serde_json::to_string_pretty(results).map_or_else(|_| String::new(), |text| text + "\n")
+}
+
+/// Writes results where they belong.
+pub fn save(pages: &Path, results: &Results) -> Result<PathBuf, Failure> {
+    let path = file(pages, &results.renderer, &results.version);
+    let text = text(results);
+    write_atomically(&path, &mut |out| out.write_all(text.as_bytes()))
+        .map_err(|error| Failure::new(Exit::Environment, format!("{}: {error}", path.display())))?;
+    Ok(path)
+}

@@ -1,0 +1,106 @@
+//! Conventions of lamps and of the length of paths.
+
+use ltsc_core::capability::Feature;
+
+use super::super::formula::furnace;
+use super::super::kinds::{
+    By, Channel, Check, Convention, Expected, Known, Measure, Region, Tolerance, View, Within, area,
+};
+use super::{check, convention};
+
+pub(super) const ROWS: &[Convention] = &[
+    convention!(
+        "emitter_radiance",
+        &[View::plain(&[
+            check("red", Measure::Mean(Region::ALL, Channel::Red), Expected::Number(0.5), Tolerance::Share(1e-3)),
+            check("green", Measure::Mean(Region::ALL, Channel::Green), Expected::Number(2.0), Tolerance::Share(1e-3)),
+            check("blue", Measure::Mean(Region::ALL, Channel::Blue), Expected::Number(30.0), Tolerance::Share(1e-3)),
+        ])]
+    ),
+    convention!(
+        "emitter_side",
+        &[View::plain(&[
+            check("the back", Measure::Mean(area(0.4, 0.6, 0.34, 0.43), Channel::All), Expected::Number(0.0), DARK),
+            check(
+                "behind the back",
+                Measure::Mean(area(0.3, 0.7, 0.6, 0.75), Channel::All),
+                Expected::Number(0.0),
+                DARK
+            ),
+            check(
+                "before the front",
+                Measure::Mean(area(0.38, 0.62, 0.19, 0.28), Channel::All),
+                Expected::Ideal,
+                Tolerance::Share(0.01),
+            ),
+        ])]
+    ),
+    convention!(
+        "path_depth",
+        &[
+            View {
+                name: "depth 1",
+                depth: Some(1),
+                ..View::plain(&[Check {
+                    rests_on: &[Feature::EmissionOnly],
+                    ..furnace_of(Expected::Formula(|| furnace(0.8, 1)))
+                },])
+            },
+            View {
+                name: "depth 2",
+                depth: Some(2),
+                ..View::plain(&[furnace_of(Expected::Formula(|| furnace(0.8, 2)))])
+            },
+            View {
+                name: "depth 3",
+                depth: Some(3),
+                ..View::plain(&[furnace_of(Expected::Formula(|| furnace(0.8, 3)))])
+            },
+        ]
+    ),
+    convention!(
+        "specular_depth",
+        &[View::plain(&[
+            band("no mirror", 15.0, Expected::Number(1.0)),
+            band("one mirror", 11.0, Expected::Number(0.5)),
+            band("two mirrors", 7.0, Expected::Number(0.25)),
+            band("three mirrors", 3.0, Expected::Number(0.125)),
+            check(
+                "four mirrors",
+                Measure::Mean(area(0.0, 1.0, 0.0, 1.0 / 32.0), Channel::All),
+                Expected::Number(0.0),
+                DARK,
+            ),
+        ])]
+    ),
+    convention!(
+        "cube_furnace",
+        // A standard error of 0.03 %.
+        &[View::plain(&[check(
+            "depth 10",
+            Measure::Mean(Region::ALL, Channel::All),
+            Expected::Formula(|| furnace(0.8, 10)),
+            Tolerance::Share(2e-3),
+        )])]
+    ),
+];
+
+const DARK: Tolerance = Tolerance::Plain(1e-4);
+
+const fn furnace_of(expected: Expected) -> Check {
+    check("inside", Measure::Mean(Region::ALL, Channel::All), expected, Tolerance::Share(5e-3))
+}
+
+/// Two rows from `top` of 32, in the middle of a band of four.
+const fn band(name: &'static str, top: f64, expected: Expected) -> Check {
+    let region = area(0.0, 1.0, top / 32.0, (top + 2.0) / 32.0);
+    Check {
+        known: &[Known {
+            target: Some("pbrt-v4"),
+            by: By::Feature(Feature::DimMirror, "0.820 for 0.5"),
+            // Up to three reflections at 77 to 87 degrees.
+            within: Within::Ratio(1.0, 5.0),
+        }],
+        ..check(name, Measure::Mean(region, Channel::All), expected, Tolerance::Share(1e-3))
+    }
+}

@@ -1,0 +1,106 @@
+//! Conventions of normals, and of surfaces near each other.
+
+use ltsc_core::capability::Feature;
+
+use super::super::formula::furnace;
+use super::super::kinds::{
+    By, Channel, Check, Convention, Expected, Known, Measure, Region, Tolerance, View, Within, area,
+};
+use super::{check, convention};
+
+pub(super) const ROWS: &[Convention] = &[
+    convention!(
+        "normal_interpolation",
+        &[View::plain(&[
+            interpolated("left edge", area(0.0, 0.125, 0.0, 1.0)),
+            interpolated("between", area(0.25, 0.375, 0.0, 1.0)),
+            interpolated("middle", area(0.4375, 0.5625, 0.0, 1.0)),
+            interpolated("right edge", area(0.875, 1.0, 0.0, 1.0)),
+        ])]
+    ),
+    convention!(
+        "turned_normals",
+        &[View::plain(&[Check {
+            known: &[Known {
+                target: Some("pbrt-v3"),
+                by: By::Feature(Feature::SmoothDiffuse, "with the same cosine"),
+                // 0.8 / pi of 0.342.
+                within: Within::Distance(0.0875),
+            }],
+            ..check(
+                "turned away",
+                Measure::Mean(Region::ALL, Channel::All),
+                Expected::Number(0.0),
+                Tolerance::Plain(1e-4),
+            )
+        }])]
+    ),
+    convention!(
+        "coarse_sphere",
+        &[View::plain(&[
+            sphere(
+                "whole image",
+                Region::ALL,
+                5e-3,
+                &[
+                    smooth("cycles", "2.7 % too bright in its mean", Within::Ratio(1.0, 1.03)),
+                    smooth("pbrt-v3", "3.5 % lit from the side", Within::Ratio(1.0, 1.04)),
+                ]
+            ),
+            // A column and a half of what faces the camera, while its normals do not.
+            sphere(
+                "lit edge",
+                area(0.093, 0.157, 0.35, 0.65),
+                0.02,
+                &[
+                    smooth("cycles", "up to 0.06 of radiance stands for 0", Within::Distance(0.06)),
+                    smooth("pbrt-v3", "knows no hemisphere", Within::Distance(0.06)),
+                ]
+            ),
+            sphere(
+                "between light and shadow",
+                area(0.47, 0.66, 0.3, 0.7),
+                8e-3,
+                &[smooth("pbrt-v3", "27 % in the band between light and shadow", Within::Ratio(1.0, 1.3))]
+            ),
+        ])]
+    ),
+    convention!(
+        "corner_leak",
+        &[
+            View { name: "at the origin", set: &[("away", "0"), ("window", "0.06")], ..View::plain(CORNER) },
+            View { name: "1000 away", set: &[("away", "1000"), ("window", "0.6")], ..View::plain(CORNER) },
+            View { name: "10000 away", set: &[("away", "10000"), ("window", "6")], ..View::plain(CORNER) },
+        ]
+    ),
+];
+
+const fn interpolated(name: &'static str, region: Region) -> Check {
+    check(name, Measure::Mean(region, Channel::All), Expected::Ideal, Tolerance::Share(5e-3))
+}
+
+const fn sphere(name: &'static str, region: Region, share: f64, known: &'static [Known]) -> Check {
+    Check { known, ..check(name, Measure::Mean(region, Channel::All), Expected::Ideal, Tolerance::Share(share)) }
+}
+
+const fn smooth(target: &'static str, words: &'static str, within: Within) -> Known {
+    Known { target: Some(target), by: By::Feature(Feature::SmoothDiffuse, words), within }
+}
+
+/// A row on each side of the edge, 16 000 samples each: a standard error of 0.3 %.
+const CORNER: &[Check] = &[
+    Check { known: LEAKS, ..corner("above the edge", area(0.0, 1.0, 0.4375, 0.5)) },
+    Check { known: LEAKS, ..corner("below the edge", area(0.0, 1.0, 0.5, 0.5625)) },
+    corner("away from it", area(0.0, 1.0, 0.75, 1.0)),
+];
+
+const fn corner(name: &'static str, region: Region) -> Check {
+    check(name, Measure::Mean(region, Channel::All), Expected::Formula(|| furnace(0.8, 3)), Tolerance::Share(0.02))
+}
+
+const LEAKS: &[Known] = &[
+    Known { target: Some("mitsuba-0.6"), by: LEAK, within: Within::Ratio(0.5, 1.0) },
+    Known { target: Some("mitsuba-0.5"), by: LEAK, within: Within::Ratio(0.5, 1.0) },
+];
+
+const LEAK: By = By::Feature(Feature::IndirectLight, "a dark line as wide as 1e-4 times the largest coordinate");

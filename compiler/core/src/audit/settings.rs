@@ -1,0 +1,165 @@
+//! Camera, image, depth and the lights without a surface.
+
+use super::look::off;
+use super::{Asked, Found, TEXT, inexact, unsupported};
+use crate::capability::{Feature, Support};
+use crate::formats::Target;
+use crate::formats::shared::camera;
+use crate::formats::shared::reading::{Light, Reading, Rgb, View};
+use crate::ir::{
+    Axes, Camera, ColorOrTexture, Film, Integrator, LightKind, LightSource, Vec3, length, normalized, sub,
+};
+
+/// How far an angle in degrees may be off that formats round or nudge: a sharp edge of glTF is a millionth wide.
+const ANGLE: f64 = 1e-3;
+
+/// How far a principal point may be off, in pixels.
+const PIXEL: f64 = 1e-6;
+
+pub(super) fn compare(asked: &Asked<'_>, target: &Target, reading: &Reading, found: &mut Found) {
+    let Film { width, height, filter: _ } = &asked.scene.film;
+    match reading.film {
+        Some(film) if film == [*width, *height] => {}
+        Some([w, h]) => found.differs(format!("the image has {w} x {h} pixels instead of {width} x {height}")),
+        None => found.differs("the files give no size of the image"),
+    }
+    depth(asked, target, reading, found);
+    match &reading.view {
+        Some(view) => view_differs(asked, view, found),
+        None => found.differs("the files give no camera"),
+    }
+    lights(asked, target, &reading.lights, found);
+}
+
+fn depth(asked: &Asked<'_>, target: &Target, reading: &Reading, found: &mut Found) {
+    let integrator = &asked.scene.integrator;
+    let wanted = integrator.max_depth().min(i32::MAX as u32);
+    // Some targets have no paths of one segment, and none has photons for them.
+    let photons = match integrator {
+        Integrator::PhotonMap { max_depth: _ } => !unsupported(&(target.supports)(Feature::PhotonMap)),
+        Integrator::Path { max_depth: _ }
+        | Integrator::Bidirectional { max_depth: _ }
+        | Integrator::LightTracing { max_depth: _ }
+        | Integrator::Metropolis { max_depth: _ } => false,
+    };
+    let raised = wanted < 2 && (photons || inexact(&(target.supports)(Feature::EmissionOnly)));
+    match reading.max_depth {
+        Some(depth) if depth == wanted || (raised && depth == 2) => {}
+        Some(depth) => found.differs(format!("paths have {depth} segments instead of {wanted}")),
+        None => found.differs("the files give no path depth"),
+    }
+}
+
+fn far(a: Vec3, b: Vec3, by: f64) -> bool {
+    off(length(sub(a, b)), 0.0, by)
+}
+
+fn view_differs(asked: &Asked<'_>, view: &View, found: &mut Found) {
+    let camera = &asked.scene.cameras[asked.camera];
+    let Camera { name: _, eye, target: _, up: _, fov_x, near: _, far: _ } = camera;
+    let View { eye: at, right, up, forward, fov_x: across, fov_y: along, shift } = view;
+    if far(*at, *eye, asked.slack()) {
+        found.differs(format!("the camera stands at {at:?} instead of {eye:?}"));
+    }
+    if let Some(axes) = camera.axes() {
+        let Axes { right: to_right, up: to_top, forward: ahead } = axes;
+        if far(*forward, ahead, TEXT) {
+            found.differs(format!("the camera looks along {forward:?} instead of {ahead:?}"));
+        } else if far(*right, to_right, TEXT) || far(*up, to_top, TEXT) {
+            let mirrored = !far(*right, to_right.map(|x| -x), TEXT) && !far(*up, to_top, TEXT);
+            let how = if mirrored { "the image is mirrored" } else { "the image is turned" };
+            found.differs(format!("{how}: {right:?} is right and {up:?} up, instead of {to_right:?} and {to_top:?}"));
+        }
+    }
+    let wrong = |said: f64, wanted: f64| off(said, wanted, TEXT * wanted);
+    if wrong(*across, *fov_x) {
+        found.differs(format!("the angle of view `fov_x` is {across} degrees instead of {fov_x}"));
+    }
+    let wanted = camera::fov_y(*fov_x, &asked.scene.film);
+    if wrong(*along, wanted) {
+        found.differs(format!("the vertical angle of view is {along} degrees instead of {wanted}"));
+    }
+    if shift.iter().any(|pixels| off(*pixels, 0.0, PIXEL)) {
+        found.differs(format!("the image is shifted by {shift:?} pixels"));
+    }
+}
+
+/// The feature of a light.
+fn feature(kind: &LightKind) -> Feature {
+    match kind {
+        LightKind::Environment { radiance: ColorOrTexture::Color(_) } => Feature::Environment,
+        LightKind::Environment { radiance: ColorOrTexture::Texture(_) } => Feature::EnvironmentImage,
+        LightKind::Point { position: _, intensity: _ } => Feature::PointLight,
+        LightKind::Spot { position: _, target: _, intensity: _, angle: _, inner: _ } => Feature::SpotLight,
+        LightKind::Directional { direction: _, irradiance: _ } => Feature::DirectionalLight,
+    }
+}
+
+fn lights(asked: &Asked<'_>, target: &Target, said: &[Light], found: &mut Found) {
+    let wanted: Vec<(&LightSource, Support)> =
+        asked.scene.lights.values().map(|light| (light, (target.supports)(feature(&light.kind)))).collect();
+    // A light that a target cannot say is left out, or something constant stands for it.
+    let spare = wanted.len().saturating_sub(said.len());
+    let dropped: Vec<bool> = {
+        let mut left = spare;
+        let drop = |(_, support): &(&LightSource, Support)| {
+            let drop = left > 0 && unsupported(support);
+            left -= usize::from(drop);
+            drop
+        };
+        wanted.iter().map(drop).collect()
+    };
+    let kept: Vec<_> = wanted.into_iter().zip(dropped).filter(|(_, dropped)| !dropped).map(|(one, _)| one).collect();
+    if kept.len() != said.len() {
+        found.differs(format!("there are {} lights without a surface instead of {}", said.len(), kept.len()));
+        return;
+    }
+    for ((LightSource { name, kind }, support), light) in kept.iter().zip(said) {
+        if let Some(what) = light_differs(asked, kind, light, unsupported(support)) {
+            found.differs(format!("the light `{name}` {what}"));
+        }
+    }
+}
+
+fn strength_differs(wanted: Rgb, said: Rgb) -> Option<String> {
+    let far = |(a, b): (f64, f64)| off(a, b, TEXT * a.abs().max(b.abs()));
+    wanted.into_iter().zip(said).any(far).then(|| format!("has the strength {said:?} instead of {wanted:?}"))
+}
+
+fn light_differs(asked: &Asked<'_>, kind: &LightKind, light: &Light, stands_in: bool) -> Option<String> {
+    let place = |wanted: &Vec3, said: &Vec3| {
+        far(*wanted, *said, asked.slack()).then(|| format!("is at {said:?} instead of {wanted:?}"))
+    };
+    let axis = |wanted: Vec3, said: &Vec3| {
+        let wanted = normalized(wanted)?;
+        far(wanted, *said, TEXT).then(|| format!("goes along {said:?} instead of {wanted:?}"))
+    };
+    match (kind, light) {
+        (LightKind::Environment { radiance }, Light::Environment { radiance: said }) => {
+            super::walk::paint_differs(asked, radiance, said, stands_in, Some(true))
+        }
+        (LightKind::Point { position, intensity }, Light::Point { position: at, intensity: said }) => {
+            place(position, at).or_else(|| strength_differs(intensity.rgb(), *said))
+        }
+        (
+            LightKind::Spot { position, target, intensity, angle, inner },
+            Light::Spot { position: at, direction, intensity: said, angle: cut, inner: full },
+        ) => {
+            let cone = off(*angle, *cut, ANGLE) || off(*inner, *full, ANGLE);
+            place(position, at)
+                .or_else(|| axis(sub(*target, *position), direction))
+                .or_else(|| cone.then(|| format!("has the angles {cut} and {full} instead of {angle} and {inner}")))
+                .or_else(|| strength_differs(intensity.rgb(), *said))
+        }
+        (LightKind::Directional { direction, irradiance }, Light::Directional { direction: to, irradiance: said }) => {
+            axis(*direction, to).or_else(|| strength_differs(irradiance.rgb(), *said))
+        }
+        (
+            LightKind::Environment { radiance: _ }
+            | LightKind::Point { position: _, intensity: _ }
+            | LightKind::Spot { position: _, target: _, intensity: _, angle: _, inner: _ }
+            | LightKind::Directional { direction: _, irradiance: _ },
+            _,
+        ) => Some(format!("is `{}` instead of `{}`", light.word(), kind.word())),
+    }
+}

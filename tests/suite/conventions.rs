@@ -1,0 +1,76 @@
+//! `ltsc conventions`: what is listed, what is kept, and a few conventions through the renderers that are there.
+
+use std::process::Command;
+
+use ltsc_render::cache::CachePaths;
+use ltsc_render::env::Env;
+use ltsc_render::install::{Status, status};
+use ltsc_render::run::driver;
+
+use super::{bless, ltsc, run, skip};
+
+#[test]
+fn the_page_is_what_the_stored_numbers_say() {
+    let mut command: Command = ltsc();
+    command.args(["conventions", "-o", "docs", "--stored"]);
+    let ran = run(if bless() { &mut command } else { command.arg("--check") });
+    assert_eq!(ran.code, Some(0), "run `cargo run -- conventions -o docs --stored`\n{}{}", ran.out, ran.err);
+}
+
+#[test]
+fn scenes_have_their_canonical_form() {
+    let ran = run(ltsc().args(["fmt", "--check", "compiler/cli/conventions"]));
+    assert_eq!(ran.code, Some(0), "run `cargo run -- fmt compiler/cli/conventions`\n{}{}", ran.out, ran.err);
+}
+
+#[test]
+fn conventions_are_listed() {
+    let ran = run(ltsc().args(["conventions", "--list"]));
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    assert!(ran.out.lines().count() >= 25 && ran.out.contains("\npath_depth "), "{}", ran.out);
+    let ran = run(ltsc().args(["conventions", "--list", "--only", "mirror", "--format", "json"]));
+    let document: serde_json::Value = serde_json::from_str(&ran.out).expect("JSON");
+    assert_eq!(document["conventions"].as_array().expect("a list").len(), 1);
+    assert_eq!(document["conventions"][0]["checks"], 5);
+}
+
+#[test]
+fn wrong_usage_is_told_with_a_hint() {
+    let cases: [(&[&str], i32, &str); 6] = [
+        (&[], 2, "--renderer NAME"),
+        (&["--renderer", "mitsuba-4"], 2, "did you mean `mitsuba-3`?"),
+        (&["--renderer", "mitsuba-3", "--only", "path_dept"], 2, "did you mean `path_depth`?"),
+        (&["--renderer", "mitsuba-3,luxcore", "--executable", "x"], 2, "name one renderer"),
+        (&["--stored"], 2, "--output"),
+        (&["--renderer", "mitsuba-3", "--executable", "no/such/python"], 4, "no such program"),
+    ];
+    for (arguments, code, hint) in cases {
+        let ran = run(ltsc().arg("conventions").args(arguments));
+        assert_eq!(ran.code, Some(code), "{arguments:?}: {}", ran.err);
+        assert!(ran.err.contains(hint), "{arguments:?}: {}", ran.err);
+    }
+}
+
+/// The quickest ones, of each kind of verdict: all are done in a few seconds.
+#[test]
+fn renderers_hold_what_they_are_said_to_hold() {
+    for (renderer, holds) in [("mitsuba-3", true), ("luxcore", false), ("cycles", false)] {
+        let env = Env::of_process();
+        let driver = driver(renderer).expect("a driver");
+        let found = status(driver, CachePaths::find(&env).as_ref(), &env);
+        if !matches!(found, Status::Installed { .. } | Status::External { .. }) {
+            skip("conventions", &format!("`ltsc renderers install {renderer}`"));
+            continue;
+        }
+        let only = "image_quarters,emitter_side,path_depth,conductor_alpha";
+        let ran = run(ltsc().args(["conventions", "--renderer", renderer, "--only", only, "--format", "json"]));
+        assert_eq!(ran.code, Some(0), "{renderer}: {}{}", ran.out, ran.err);
+        let document: serde_json::Value = serde_json::from_str(&ran.out).expect("JSON");
+        let rows = document["renderers"][0]["rows"].as_array().expect("rows");
+        assert_eq!(rows.len(), 29, "{renderer}");
+        let depth = rows.iter().find(|row| row["view"] == "depth 1").expect("a row");
+        assert_eq!(depth["verdict"], if holds { "holds" } else { "unsupported" }, "{renderer}");
+        let quarters = rows.iter().filter(|row| row["convention"] == "image_quarters");
+        assert!(quarters.clone().count() == 18 && quarters.clone().all(|row| row["verdict"] == "holds"), "{renderer}");
+    }
+}
