@@ -114,7 +114,7 @@ const fn reflects(name: &'static str, at: usize, channel: Channel) -> Check {
         known: &[
             Known {
                 target: Some("pbrt-v3"),
-                by: By::Feature(Feature::SmoothConductor, "1.3 to 3.7 % less"),
+                by: By::Feature(Feature::SmoothConductor, "in even light by 1.3 to 3.7 %"),
                 within: Within::Ratio(0.95, 1.0),
             },
             Known {
