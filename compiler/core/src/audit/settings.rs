@@ -2,7 +2,7 @@
 
 use super::look::off;
 use super::{Asked, Found, TEXT, inexact, unsupported};
-use crate::capability::{Feature, Support};
+use crate::capability::{Feature, Support, of_texture};
 use crate::formats::Target;
 use crate::formats::shared::camera;
 use crate::formats::shared::reading::{Light, Reading, Rgb, View};
@@ -115,7 +115,11 @@ fn lights(asked: &Asked<'_>, target: &Target, said: &[Light], found: &mut Found)
         return;
     }
     for ((LightSource { name, kind }, support), light) in kept.iter().zip(said) {
-        if let Some(what) = light_differs(asked, kind, light, unsupported(support)) {
+        // An image in a format that the target cannot read is as good as one that it has no place for.
+        let image = kind.texture().into_iter().flat_map(|texture| of_texture(&asked.scene.textures[texture]));
+        let stands_in =
+            unsupported(support) || image.into_iter().any(|feature| unsupported(&(target.supports)(feature)));
+        if let Some(what) = light_differs(asked, kind, light, stands_in) {
             found.differs(format!("the light `{name}` {what}"));
         }
     }

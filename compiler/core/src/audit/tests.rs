@@ -170,6 +170,20 @@ fn textures_are_read_back_where_they_can_be_and_a_grey_stands_for_them_elsewhere
 }
 
 #[test]
+fn images_of_the_environment_are_read_back() {
+    for format in [ImageFormat::Exr, ImageFormat::Hdr, ImageFormat::Pfm] {
+        let mut scene = sample::room();
+        let image = ImageInfo { format, width: 2, height: 1, channels: 3, bits: 32 };
+        let file = ImageFile::new(b"pixels");
+        let texture = Texture { name: "sky".to_owned(), file, image, encoding: Encoding::Linear };
+        let texture = scene.textures.push(texture, Origin::Made);
+        let kind = LightKind::Environment { radiance: crate::ir::ColorOrTexture::Texture(texture) };
+        scene.lights.push(LightSource { name: "sky".to_owned(), kind }, Origin::Made);
+        clean(scene);
+    }
+}
+
+#[test]
 fn instances_in_the_buffer_are_read_back_in_the_order_of_their_names() {
     let mut scene = sample::grid();
     let first = scene.shapes.values().next().expect("a lamp").clone();

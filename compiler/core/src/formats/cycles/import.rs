@@ -315,7 +315,7 @@ impl Reader {
             arguments.row("z", to).and_then(normalized).map(|axis| axis.map(|part| -part))
         };
         let light = match call.name {
-            "environment" => Some(Light::Environment { radiance: Paint::Color(arguments.rgb("radiance", to)) }),
+            "environment" => Some(Light::Environment { radiance: self.paint("radiance", &arguments, to) }),
             "point" => {
                 let position = arguments.row("position", to);
                 let intensity = arguments.rgb("intensity", to);
