@@ -68,6 +68,8 @@ fn wrong_usage_is_told_apart() {
     assert!(unknown.code == Some(2) && unknown.err.contains("mitsuba-3"), "{}", unknown.err);
     let alone = ran(&["scenes-src/ring.lts", "--renderer", "mitsuba-3"]);
     assert!(alone.code == Some(2) && alone.err.contains("--reference"), "{}", alone.err);
+    let nowhere = ran(&["scenes-src/ring.lts", "--reference", "no-such-folder", "--renderer", "mitsuba-3"]);
+    assert!(nowhere.code == Some(2) && nowhere.err.contains("no folder"), "{}", nowhere.err);
     assert_eq!(ran(&["--check"]).code, Some(2));
     let missing = ran(&["--check", "--record", "no-such-file.json"]);
     assert!(missing.code == Some(3) && missing.err.contains("missing"), "{}", missing.err);

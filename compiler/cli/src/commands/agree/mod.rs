@@ -56,15 +56,27 @@ pub fn run(command: &Agree) -> Result<Exit, Failure> {
         return Err(Failure::new(Exit::Usage, "one renderer has nothing to agree with")
             .help("name a second one, or images by `--reference`"));
     }
-    let (mut rows, mut exit) = (Vec::new(), Exit::Done);
+    if let Some(folder) = command.reference.as_deref().filter(|folder| !folder.is_dir()) {
+        return Err(Failure::new(Exit::Usage, format!("{} is no folder", folder.display()))
+            .help("`--reference` names the folder of the images"));
+    }
+    let (mut rows, mut exit, mut scenes) = (Vec::new(), Exit::Done, 0);
     for (project, files) in all_files_of(&command.scenes)? {
         for file in &files {
             match scene_of(command, &project, file)? {
-                Ok(Some(scene)) => rows.extend(scene_rows(command, &project, &scene, &drivers)?),
+                Ok(Some(scene)) => {
+                    scenes += 1;
+                    rows.extend(scene_rows(command, &project, &scene, &drivers)?);
+                }
                 Ok(None) => {}
                 Err(refused) => exit = exit.max(refused),
             }
         }
+    }
+    // A gate must not turn green because nothing was there to compare.
+    if rows.is_empty() && scenes > 0 {
+        return Err(Failure::new(Exit::Environment, "nothing was compared")
+            .help("install a second renderer, or give images by `--reference`"));
     }
     if let Some(record) = &command.record {
         page::record(record, &rows)?;
