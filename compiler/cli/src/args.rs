@@ -517,6 +517,10 @@ pub struct Conventions {
     /// Render nothing; judge the numbers that are kept again, and write the page.
     #[arg(long, requires = "output", conflicts_with = "renderer")]
     pub stored: bool,
+    /// Render nothing; print which answers of targets the kept numbers show, and which were not measured (exit code 1). The
+    /// numbers are those below `--output`, by default `docs`.
+    #[arg(long, conflicts_with_all = ["renderer", "only", "list", "stored"])]
+    pub coverage: bool,
     /// Write nothing; exit with 1 and name the files that are not what they would become.
     #[arg(long, requires = "stored")]
     pub check: bool,

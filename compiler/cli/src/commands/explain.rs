@@ -4,11 +4,14 @@ use ltsc_core::capability::{Feature, Support};
 use ltsc_core::diag::{CODES, nearest};
 use ltsc_core::eval::{Constructor, Family, table};
 use ltsc_core::lint;
+use ltsc_core::manual::Proof;
 
 use crate::args::Explain;
 use crate::output::{Exit, Failure};
 use crate::project;
 use crate::terminal;
+
+use super::conventions::measured_by;
 
 pub fn run(command: &Explain) -> Result<Exit, Failure> {
     match (&command.what, &command.target) {
@@ -71,17 +74,20 @@ fn page(row: &Constructor) -> String {
 
 fn explain_target(name: &str) -> Result<Exit, Failure> {
     let target = project::target(name)?;
-    let mut exact = Vec::new();
+    let measured = measured_by()?;
+    let mut exact = String::new();
     let mut rest = String::new();
     let mut converted = String::new();
     for feature in Feature::ALL {
         let (word, parts) = match (target.supports)(*feature) {
             Support::Exact => {
+                let by = by(measured.of(target.name, *feature));
                 match target.conversion(*feature) {
                     Some(formula) => {
                         converted.push_str(&format!("converted: {}\n{}", feature.name(), wrapped(formula, "    ")));
+                        converted.push_str(&wrapped(&by, "    "));
                     }
-                    None => exact.push(feature.name()),
+                    None => exact.push_str(&format!("exact: {}\n{}", feature.name(), wrapped(&by, "    "))),
                 }
                 continue;
             }
@@ -94,13 +100,23 @@ fn explain_target(name: &str) -> Result<Exit, Failure> {
         for part in parts {
             rest.push_str(&wrapped(part, "    "));
         }
+        if word == "approximate" {
+            rest.push_str(&wrapped(&by(measured.of(target.name, *feature)), "    "));
+        }
     }
     for choice in target.choices {
         rest.push_str(&format!("option: {}.{}\n{}", target.name, choice.name, wrapped(choice.summary, "    ")));
     }
-    let exact = wrapped(&exact.join(", "), "    ");
-    terminal::print(&format!("{}\n{}\n\nexact:\n{exact}\n{converted}{rest}", target.name, target.summary));
+    terminal::print(&format!("{}\n{}\n\n{exact}{converted}{rest}", target.name, target.summary));
     Ok(Exit::Done)
+}
+
+/// By what an answer was measured.
+fn by(proofs: &[Proof]) -> String {
+    if proofs.is_empty() {
+        return "not measured".to_owned();
+    }
+    format!("measured by {}", proofs.iter().map(Proof::text).collect::<Vec<_>>().join(", "))
 }
 
 /// Lines of at most 100 characters, each behind `indent`.

@@ -11,12 +11,14 @@ use crate::disk::{unwritable, write_atomically};
 use crate::output::{Exit, Failure};
 use crate::terminal;
 
+use super::conventions::measured_by;
+
 pub fn run(command: &Manual) -> Result<Exit, Failure> {
     match (&command.page, &command.output) {
         (_, Some(folder)) => write(folder, command.check),
         (Some(name), None) => {
             let page = manual::find(name).ok_or_else(|| unknown(name))?;
-            terminal::print(&(page.text)());
+            terminal::print(&(page.text)(&measured_by()?));
             Ok(Exit::Done)
         }
         (None, None) => {
@@ -38,10 +40,11 @@ fn unknown(name: &str) -> Failure {
 
 /// Writes the pages that are not yet what they should be, or only names them.
 fn write(folder: &Path, check: bool) -> Result<Exit, Failure> {
+    let measured = measured_by()?;
     let mut stale = 0;
     for page in PAGES {
         let path = folder.join(page.file());
-        let text = (page.text)();
+        let text = (page.text)(&measured);
         if fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
             continue;
         }

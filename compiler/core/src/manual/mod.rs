@@ -3,11 +3,14 @@
 //! by a test.
 
 mod findings;
+mod measured;
 mod reference;
 mod targets;
 
 #[cfg(test)]
 mod tests;
+
+pub use measured::{Measured, Proof};
 
 /// A page of the manual.
 pub struct Page {
@@ -15,8 +18,8 @@ pub struct Page {
     pub name: &'static str,
     /// One line on what it holds.
     pub summary: &'static str,
-    /// Its text in Markdown.
-    pub text: fn() -> String,
+    /// Its text in Markdown, given what was measured of the targets.
+    pub text: fn(&Measured) -> String,
 }
 
 impl Page {
@@ -28,9 +31,17 @@ impl Page {
 
 /// All pages.
 pub static PAGES: &[Page] = &[
-    Page { name: "reference", summary: "The language: statements, values, every constructor", text: reference::page },
-    Page { name: "findings", summary: "What ltsc can say about a scene, and why", text: findings::page },
-    Page { name: "targets", summary: "What each target says exactly, nearly, or not at all", text: targets::page },
+    Page {
+        name: "reference",
+        summary: "The language: statements, values, every constructor",
+        text: |_| reference::page(),
+    },
+    Page { name: "findings", summary: "What ltsc can say about a scene, and why", text: |_| findings::page() },
+    Page {
+        name: "targets",
+        summary: "What each target says exactly, nearly, or not at all, and by what that was measured",
+        text: targets::page,
+    },
 ];
 
 /// The page called `name`.

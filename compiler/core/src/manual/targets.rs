@@ -3,15 +3,15 @@
 use crate::capability::{Feature, Support};
 use crate::formats::{Choice, TARGETS, Target};
 
-use super::{MADE, anchor, capital, cell};
+use super::{MADE, Measured, Proof, anchor, capital, cell};
 
-pub(super) fn page() -> String {
+pub(super) fn page(measured: &Measured) -> String {
     let mut text = format!(
         "# Targets\n\n{MADE}\n\
          For each thing that a scene can ask for, each target answers: **exact** (it means the same), *nearly* (with what differs \
          and by how much)\nor **no** (it is left out, with the finding `loss-dropped`). A build says which of these concern its \
          scenes; `ltsc explain --target NAME`\nprints one target. [conventions.md](conventions.md) has the mappings and the \
-         measurements.\n\n| target | aliases | what it is | file to open |\n|---|---|---|---|\n"
+         measurements, [renderers.md](renderers.md) the conventions: scenes with known answers that renderers were given.\n\n| target | aliases | what it is | file to open |\n|---|---|---|---|\n"
     );
     for target in TARGETS {
         let aliases: Vec<String> = target.aliases.iter().map(|name| format!("`{name}`")).collect();
@@ -39,13 +39,13 @@ pub(super) fn page() -> String {
         text.push_str(&format!("| {} | {} |\n", cell(&capital(feature.name())), answers.join(" | ")));
     }
     for target in TARGETS {
-        text.push_str(&section(target));
+        text.push_str(&section(target, measured));
     }
     text
 }
 
-/// What one target does not say exactly.
-fn section(target: &Target) -> String {
+/// What one target answers, and by what that was measured.
+fn section(target: &Target, measured: &Measured) -> String {
     let mut converted = String::new();
     let mut nearly = String::new();
     let mut dropped = String::new();
@@ -80,11 +80,28 @@ fn section(target: &Target) -> String {
             text.push_str(&format!("\n**{title}**\n\n{list}"));
         }
     }
+    text.push_str(&proofs(target, measured));
     if !target.choices.is_empty() {
         text.push_str("\n**Only where it is asked for**, by `--option` or in `options` of `ltsc.toml`\n\n");
         for Choice { name, summary } in target.choices {
             text.push_str(&format!("- `{}.{name}`: {summary}.\n", target.name));
         }
+    }
+    text
+}
+
+/// By what each answer was measured.
+fn proofs(target: &Target, measured: &Measured) -> String {
+    let mut text = String::from("\n**Measured by**\n\n| answer | | by |\n|---|---|---|\n");
+    for feature in Feature::ALL {
+        let word = match (target.supports)(*feature) {
+            Support::Exact => "exact",
+            Support::Approximate { why: _, bound: _ } => "*nearly*",
+            Support::Unsupported { why: _ } => continue,
+        };
+        let proofs: Vec<String> = measured.of(target.name, *feature).iter().map(Proof::markdown).collect();
+        let by = if proofs.is_empty() { "**not measured**".to_owned() } else { proofs.join(", ") };
+        text.push_str(&format!("| {} | {word} | {} |\n", cell(&capital(feature.name())), cell(&by)));
     }
     text
 }

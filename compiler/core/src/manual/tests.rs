@@ -40,7 +40,7 @@ fn every_example_of_the_chapter_is_a_scene() {
 #[test]
 fn links_within_a_page_lead_to_its_headings() {
     for page in PAGES {
-        let text = (page.text)();
+        let text = (page.text)(&Measured::default());
         let headings: BTreeSet<String> = text
             .lines()
             .filter(|line| line.starts_with('#'))
@@ -55,7 +55,7 @@ fn links_within_a_page_lead_to_its_headings() {
 #[test]
 fn tables_are_regular() {
     for page in PAGES {
-        let text = (page.text)();
+        let text = (page.text)(&Measured::default());
         let mut columns = 0;
         for line in text.lines() {
             let here = if line.starts_with('|') { line.replace("\\|", "").matches('|').count() } else { 0 };
@@ -67,7 +67,7 @@ fn tables_are_regular() {
 
 #[test]
 fn nothing_is_left_out() {
-    let text: String = PAGES.iter().map(|page| (page.text)()).collect();
+    let text: String = PAGES.iter().map(|page| (page.text)(&Measured::default())).collect();
     for row in table() {
         assert!(text.contains(&row.signature()), "{}", row.name);
     }

@@ -44,6 +44,20 @@ pub fn conductor(cosine: f64, eta: f64, k: f64) -> f64 {
     f64::midpoint(across, along)
 }
 
+/// The albedo in even light of a Lambertian base under a smooth coat of index `n`, seen at an angle: what the coat reflects, and what
+/// passes it, is scattered and leaves, at once or after reflections at the coat from inside. Of even light inside, the share that
+/// leaves is that which enters from even light outside, over n^2 (reciprocity), by the midpoint rule.
+pub fn coated(base: f64, n: f64, degrees: f64) -> f64 {
+    const STEPS: usize = 100_000;
+    let outer = (0..STEPS).map(|at| {
+        let cosine = (at as f64 + 0.5) / STEPS as f64;
+        2.0 * cosine * dielectric(cosine, n)
+    });
+    let leaves = (1.0 - outer.sum::<f64>() / STEPS as f64) / (n * n);
+    let r = dielectric(degrees.to_radians().cos(), n);
+    r + (1.0 - r) * base * leaves / (1.0 - base * (1.0 - leaves))
+}
+
 /// GGX, the density of microfacets whose normals have `cosine` to the surface's (Walter et al. 2007, eq. 33).
 pub fn ggx(cosine: f64, alpha: f64) -> f64 {
     let (cos2, a2) = (cosine * cosine, alpha * alpha);

@@ -8,6 +8,8 @@ pub struct Convention {
     pub name: &'static str,
     /// The text of its scene.
     pub text: &'static str,
+    /// What targets answer to these is wrong where the checks of a view that asks for it fail.
+    pub proves: &'static [Feature],
     /// The images to take.
     pub views: &'static [View],
 }

@@ -1,11 +1,13 @@
 //! `ltsc conventions`: micro-scenes with known answers through real renderers, and a page of what holds where.
 
+mod coverage;
 mod formula;
 mod ideal;
 mod judge;
 mod kinds;
 mod measure;
 mod page;
+mod records;
 mod render;
 mod report;
 mod results;
@@ -28,6 +30,7 @@ use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
 
 use super::render::find_driver;
+pub use coverage::built_in as measured_by;
 use judge::Verdict;
 use kinds::Convention;
 use render::Runner;
@@ -38,6 +41,9 @@ pub fn run(command: &Conventions) -> Result<Exit, Failure> {
     if command.list {
         terminal::print(&report::list(&chosen, command.format == Format::Json)?);
         return Ok(Exit::Done);
+    }
+    if command.coverage {
+        return covered(command.output.as_deref().unwrap_or(Path::new("docs")), command.format);
     }
     let drivers = command.renderer.iter().map(|name| find_driver(name)).collect::<Result<Vec<_>, _>>()?;
     if let (true, Some(pages)) = (command.stored, &command.output) {
@@ -139,6 +145,20 @@ fn measured(runner: &Runner, asked: &[Asked]) -> Result<Results, Failure> {
     Ok(Results { renderer: runner.driver.name.to_owned(), version, rows })
 }
 
+/// Prints which answers of targets were measured; the answer is no where one was not.
+fn covered(pages: &Path, format: Format) -> Result<Exit, Failure> {
+    let kept = results::load(pages)?;
+    if kept.is_empty() {
+        let place = results::folder(pages);
+        return Err(Failure::new(Exit::Input, format!("{} holds no results", place.display())).help(
+            "name the folder of pages by `--output DIR`; `ltsc conventions --renderer NAME --output DIR` fills it",
+        ));
+    }
+    let all = coverage::of_renderers(&kept, &asked(&table::all().collect::<Vec<_>>())?);
+    terminal::print(&if format == Format::Json { coverage::json(&all) } else { coverage::human(&all) });
+    Ok(if all.iter().all(|coverage| coverage.open() == 0) { Exit::Done } else { Exit::No })
+}
+
 /// Judges what is kept again, and writes the page; with `check` only says what would change.
 fn stored(pages: &Path, check: bool) -> Result<Exit, Failure> {
     let all: Vec<&'static Convention> = table::all().collect();
@@ -159,6 +179,10 @@ fn stored(pages: &Path, check: bool) -> Result<Exit, Failure> {
     let page = page::page(&kept, &asked)?;
     if !std::fs::read(&path).is_ok_and(|there| there == page.as_bytes()) {
         stale.push((path, page));
+    }
+    let (path, text) = (coverage::file(pages), coverage::text(&kept, &asked));
+    if !std::fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
+        stale.push((path, text));
     }
     for (path, text) in &stale {
         if check {

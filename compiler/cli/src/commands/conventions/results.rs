@@ -105,9 +105,14 @@ impl Asked {
         self.view.checks.iter().zip(self.expected.iter().copied())
     }
 
+    /// Whether a row is of this view.
+    pub fn is_of(&self, row: &Row) -> bool {
+        (self.convention.name, self.view.name) == (&row.convention, &row.view)
+    }
+
     /// Whether a row is of this check.
     pub fn is(&self, check: &Check, row: &Row) -> bool {
-        (self.convention.name, self.view.name, check.name) == (&row.convention, &row.view, &row.check)
+        self.is_of(row) && check.name == row.check
     }
 
     /// The row of a check for what was measured with a renderer, or the reason why nothing was.

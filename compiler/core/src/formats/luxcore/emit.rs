@@ -24,7 +24,7 @@ pub fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
     let head = Line(&head).to_string();
     text::file(sink, "scene.cfg", |out| {
         writeln!(out, "# {head}")?;
-        settings(scene, out)
+        settings(scene, &scene.cameras[emission.camera], out)
     })?;
     if scene.textures.values().any(|texture| texture.encoding == Encoding::Srgb) {
         text::file(sink, names::SRGB_FILE, |out| {
@@ -39,10 +39,13 @@ pub fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
     })
 }
 
-fn settings(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
+fn settings(scene: &Scene, camera: &Camera, out: &mut dyn Write) -> io::Result<()> {
     set(out, "scene.file", "\"scene.scn\"")?;
     for (key, value) in names::FIXED {
         set(out, key, value)?;
+    }
+    if let Some(distance) = names::least_distance(camera) {
+        set(out, "scene.epsilon.min", &Num(distance).to_string())?;
     }
     let (kind, seed, samples) = match &scene.sampler {
         Sampler::Independent { samples, seed } => ("random", seed, samples),

@@ -25,6 +25,7 @@ const PASSED: &[&str] = &[
     "film.filter.gaussian.alpha",
     "film.outputs.0.type",
     "film.outputs.0.filename",
+    "scene.epsilon.min",
 ];
 
 /// Limits of the length of paths: the whole, and per kind of scattering. The smallest is in force.

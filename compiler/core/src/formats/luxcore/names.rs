@@ -3,7 +3,7 @@
 //! Measured with pyluxcore 2.11.2 where it says so, else read in LuxCore's source (`src/slg/scene/parse*.cpp`).
 
 use crate::formats::shared::coat;
-use crate::ir::{Encoding, Film};
+use crate::ir::{Camera, Encoding, Film};
 
 /// The screen window that goes with a `fieldofview` along the image's width: `left right bottom top`.
 ///
@@ -36,6 +36,21 @@ pub fn gaussian_alpha(stddev: f64) -> f64 {
 
 /// Clipping distances in force where a file gives none: `cliphither` and `clipyon`.
 pub const DEFAULT_CLIPPING: (f64, f64) = (1e-3, 1e30);
+
+/// The least distance from a surface at which rays start and end, `scene.epsilon.min`; none where LuxCore's own 1e-5 will do.
+///
+/// LuxCore starts shadow rays 128 units in the last place of a point's largest coordinate away from it. A point near the origin that a
+/// camera sees from far away is known less well than that: with 2.11.2 a diffuse plate within 3 units of the origin, seen from 100
+/// units, shadows itself by 0.9 %, from 400 by 11 % straight on and 37 % tilted by 3 degrees; with four units in the last place of the
+/// camera's largest coordinate (1e-4 for 400) it has the radiance of the formula.
+pub fn least_distance(camera: &Camera) -> Option<f64> {
+    let far = camera.eye.iter().fold(0.0, |far: f64, x| far.max(x.abs()));
+    let needed = far * 4.0 * f64::from(f32::EPSILON) / 2.0;
+    (needed > DEFAULT_LEAST_DISTANCE).then_some(needed)
+}
+
+/// `scene.epsilon.min` where a file gives none.
+const DEFAULT_LEAST_DISTANCE: f64 = 1e-5;
 
 /// The gain of a point light: LuxCore spreads colour times gain over the whole sphere of directions, 4 pi steradians
 /// (`pointlight.cpp`; measured with 2.11.2), where the Scene counts what goes into each steradian.
@@ -110,6 +125,17 @@ mod tests {
         assert!(close(window(200, 100), [-1.0, 1.0, -0.51, 0.49]));
         assert!(close(window(100, 100), [-1.0, 1.0, -1.02, 0.98]));
         assert!(close(window(100, 200), [-1.0, 1.0, -2.02, 1.98]));
+    }
+
+    #[test]
+    fn far_cameras_ask_for_a_distance() {
+        let from = |eye| {
+            let target = [0.0; 3];
+            Camera { name: None, eye, target, up: [0.0, 0.0, 1.0], fov_x: 45.0, near: None, far: None }
+        };
+        assert_eq!(least_distance(&from([0.0, -40.0, 3.0])), None);
+        let needed = least_distance(&from([1.0, -400.0, 3.0])).expect("a distance");
+        assert!((needed - 400.0 * 2.0_f64.powi(-22)).abs() < 1e-12, "{needed}");
     }
 
     #[test]

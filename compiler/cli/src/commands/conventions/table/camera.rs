@@ -1,5 +1,6 @@
 //! Conventions of the camera and the film.
 
+use ltsc_core::capability::Feature;
 use ltsc_core::ir::Camera;
 
 use super::super::formula::projected;
@@ -9,6 +10,7 @@ use super::{check, convention};
 pub(super) const ROWS: &[Convention] = &[
     convention!(
         "field_of_view",
+        &[Feature::Camera, Feature::Resolution, Feature::BlackEmitter],
         &[
             View { name: "64 x 64", ..View::plain(COVERED) },
             View { name: "64 x 32", size: Some((64, 32)), ..View::plain(COVERED) },
@@ -17,6 +19,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "image_quarters",
+        &[Feature::Camera, Feature::Resolution, Feature::PixelFilter, Feature::BlackEmitter],
         &[
             View { name: "32 x 32", ..View::plain(QUARTERS) },
             View { name: "48 x 32", size: Some((48, 32)), ..View::plain(QUARTERS) },
@@ -25,6 +28,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "handedness",
+        &[Feature::Camera],
         &[View::plain(&[
             check("x axis, across", Measure::Middle(Channel::Red, Axis::X), Expected::Formula(|| seen(0).0), NEAR),
             check("x axis, down", Measure::Middle(Channel::Red, Axis::Y), Expected::Formula(|| seen(0).1), NEAR),
@@ -36,6 +40,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "pixel_filter",
+        &[Feature::PixelFilter, Feature::Resolution],
         &[View::plain(&[
             check("column before the edge", column(9), Expected::Number(1.0), EXACT),
             // 16 000 samples: a standard error of 0.0034.
@@ -43,9 +48,29 @@ pub(super) const ROWS: &[Convention] = &[
             check("column behind the edge", column(11), Expected::Number(0.0), EXACT),
         ])]
     ),
+    convention!(
+        "clipping",
+        &[Feature::ClippingPlanes],
+        &[View::plain(&[
+            clipped("between the planes", area(0.0, 0.4375, 0.0, 1.0), 2.0),
+            clipped("behind them", area(0.5625, 1.0, 0.0, 1.0), 0.0),
+        ])]
+    ),
+    convention!(
+        "two_cameras",
+        &[Feature::SeveralCameras],
+        &[View::plain(&[check("the first", Measure::Mean(Region::ALL, Channel::All), Expected::Number(2.0), TENTH)])]
+    ),
 ];
 
 const EXACT: Tolerance = Tolerance::Plain(1e-3);
+
+const fn clipped(name: &'static str, region: Region, radiance: f64) -> Check {
+    Check {
+        rests_on: &[Feature::ClippingPlanes],
+        ..check(name, Measure::Mean(region, Channel::All), Expected::Number(radiance), EXACT)
+    }
+}
 
 /// A fifth of a pixel.
 const NEAR: Tolerance = Tolerance::Plain(0.2);

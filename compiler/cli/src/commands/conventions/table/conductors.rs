@@ -11,6 +11,7 @@ use super::{check, convention};
 pub(super) const ROWS: &[Convention] = &[
     convention!(
         "mirror",
+        &[Feature::Mirror, Feature::DimMirror],
         &[View::plain(&[
             check("perfect", Measure::Mean(PERFECT, Channel::All), Expected::Number(2.0), EXACT),
             dim("coloured, red", Channel::Red, 1.8),
@@ -26,6 +27,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "conductor_fresnel",
+        &[Feature::SmoothConductor, Feature::ColouredConductor],
         &[View::plain(&[
             reflects("0 degrees, red", 0, Channel::Red),
             reflects("30 degrees, green", 1, Channel::Green),
@@ -39,6 +41,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "conductor_alpha",
+        &[Feature::RoughConductor],
         &[View::plain(&[
             lobe("0 degrees", 0),
             lobe("10 degrees", 1),
@@ -49,6 +52,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "conductor_masking",
+        &[Feature::RoughConductor, Feature::WideConductor],
         &[
             View {
                 name: "alpha 0.5, 0 degrees",
@@ -81,6 +85,16 @@ pub(super) const ROWS: &[Convention] = &[
                 ..View::plain(&[albedo(Expected::Formula(|| masked(1.0, 78.5)))])
             },
         ]
+    ),
+    convention!(
+        "conductor_sharp",
+        &[Feature::SharpConductor],
+        &[View::plain(&[
+            sharp("0 degrees", 0),
+            sharp("0.15 degrees", 1),
+            sharp("0.3 degrees", 2),
+            sharp("0.5 degrees", 3),
+        ])]
     ),
 ];
 
@@ -131,6 +145,13 @@ const fn lobe(name: &'static str, at: usize) -> Check {
     Check {
         rests_on: &[Feature::RoughConductor],
         ..check(name, Measure::Mean(plate(at), Channel::All), Expected::Ideal, Tolerance::Share(0.01))
+    }
+}
+
+const fn sharp(name: &'static str, at: usize) -> Check {
+    Check {
+        rests_on: &[Feature::RoughConductor, Feature::SharpConductor],
+        ..check(name, Measure::Mean(plate(at), Channel::All), Expected::Ideal, Tolerance::Share(0.02))
     }
 }
 

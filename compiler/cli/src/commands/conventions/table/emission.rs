@@ -11,6 +11,7 @@ use super::{check, convention};
 pub(super) const ROWS: &[Convention] = &[
     convention!(
         "emitter_radiance",
+        &[Feature::BlackEmitter, Feature::ColouredEmitter],
         &[View::plain(&[
             check("red", Measure::Mean(Region::ALL, Channel::Red), Expected::Number(0.5), Tolerance::Share(1e-3)),
             check("green", Measure::Mean(Region::ALL, Channel::Green), Expected::Number(2.0), Tolerance::Share(1e-3)),
@@ -19,6 +20,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "emitter_side",
+        &[Feature::BlackEmitter, Feature::Diffuse],
         &[View::plain(&[
             check("the back", Measure::Mean(area(0.4, 0.6, 0.34, 0.43), Channel::All), Expected::Number(0.0), DARK),
             check(
@@ -37,6 +39,14 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "path_depth",
+        &[
+            Feature::Path,
+            Feature::EmissionOnly,
+            Feature::IndirectLight,
+            Feature::Diffuse,
+            Feature::ScatteringEmitter,
+            Feature::IndependentSampler
+        ],
         &[
             View {
                 name: "depth 1",
@@ -60,6 +70,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "specular_depth",
+        &[Feature::Path, Feature::DimMirror, Feature::IndirectLight],
         &[View::plain(&[
             band("no mirror", 15.0, Expected::Number(1.0)),
             band("one mirror", 11.0, Expected::Number(0.5)),
@@ -75,6 +86,13 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "cube_furnace",
+        &[
+            Feature::Path,
+            Feature::IndirectLight,
+            Feature::Diffuse,
+            Feature::ScatteringEmitter,
+            Feature::IndependentSampler
+        ],
         // A standard error of 0.03 %.
         &[View::plain(&[check(
             "depth 10",
@@ -83,7 +101,58 @@ pub(super) const ROWS: &[Convention] = &[
             Tolerance::Share(2e-3),
         )])]
     ),
+    convention!(
+        "algorithms",
+        &[
+            Feature::Bidirectional,
+            Feature::LightTracing,
+            Feature::Metropolis,
+            Feature::PhotonMap,
+            Feature::IndependentSampler,
+            Feature::SobolSampler,
+            Feature::SobolForLightPaths,
+        ],
+        &[
+            View {
+                name: "bidirectional",
+                set: &[("algorithm", "\"bidirectional\"")],
+                ..View::plain(&[found(BIDIRECTIONAL)])
+            },
+            View {
+                name: "light tracing",
+                set: &[("algorithm", "\"light_tracing\"")],
+                ..View::plain(&[found(LIGHT_TRACING)])
+            },
+            View { name: "Metropolis", set: &[("algorithm", "\"metropolis\"")], ..View::plain(&[found(METROPOLIS)]) },
+            View { name: "photon map", set: &[("algorithm", "\"photon_map\"")], ..View::plain(&[found(PHOTON_MAP)]) },
+            View { name: "Sobol", set: &[("points", "\"sobol\"")], ..View::plain(&[found(SOBOL)]) },
+            View {
+                name: "Sobol, Metropolis",
+                set: &[("algorithm", "\"metropolis\""), ("points", "\"sobol\"")],
+                ..View::plain(&[found(SOBOL_METROPOLIS)])
+            },
+        ]
+    ),
 ];
+
+const BIDIRECTIONAL: &[Feature] = &[Feature::Bidirectional];
+const LIGHT_TRACING: &[Feature] = &[Feature::LightTracing];
+const METROPOLIS: &[Feature] = &[Feature::Metropolis];
+const PHOTON_MAP: &[Feature] = &[Feature::PhotonMap];
+const SOBOL: &[Feature] = &[Feature::SobolSampler];
+const SOBOL_METROPOLIS: &[Feature] = &[Feature::Metropolis, Feature::SobolForLightPaths];
+
+const fn found(rests_on: &'static [Feature]) -> Check {
+    Check {
+        rests_on,
+        ..check(
+            "middle of a face",
+            Measure::Mean(area(0.25, 0.75, 0.25, 0.75), Channel::All),
+            Expected::Formula(|| furnace(0.8, 3)),
+            Tolerance::Share(0.01),
+        )
+    }
+}
 
 const DARK: Tolerance = Tolerance::Plain(1e-4);
 

@@ -11,6 +11,7 @@ use super::{check, convention};
 pub(super) const ROWS: &[Convention] = &[
     convention!(
         "camera_in_glass",
+        &[Feature::SmoothDielectric],
         &[View::plain(&[Check {
             rests_on: &[Feature::SmoothDielectric],
             ..check(
@@ -24,6 +25,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "glass_slab",
+        &[Feature::SmoothDielectric],
         &[
             View {
                 name: "all reflections",
@@ -47,7 +49,17 @@ pub(super) const ROWS: &[Convention] = &[
         ]
     ),
     convention!(
+        "air_slab",
+        &[Feature::ThinnerInside],
+        &[View::plain(&[
+            air("straight", 0, Expected::Formula(|| slab(0.0, 1.0 / 1.5))),
+            air("30 degrees", 1, Expected::Formula(|| slab(30.0, 1.0 / 1.5))),
+            air("60 degrees", 2, Expected::Number(0.0)),
+        ])]
+    ),
+    convention!(
         "glass_box",
+        &[Feature::SmoothDielectric],
         &[
             View { name: "lifted by 0.05", set: &[("lift", "0.05")], ..View::plain(&[room(LIFTED, &[])]) },
             View { name: "sunk by 0.05", set: &[("lift", "-0.05")], ..View::plain(&[room(SUNK, &[])]) },
@@ -69,6 +81,10 @@ const fn pane(name: &'static str, at: usize, expected: Expected) -> Check {
     let top = 2.0 + 8.0 * at as f64;
     let region = area(0.25, 0.75, top / 32.0, (top + 4.0) / 32.0);
     check(name, Measure::Mean(region, Channel::All), expected, Tolerance::Plain(4e-3))
+}
+
+const fn air(name: &'static str, at: usize, expected: Expected) -> Check {
+    Check { rests_on: &[Feature::ThinnerInside], ..pane(name, at, expected) }
 }
 
 /// Seed 3; Cycles with 8192 samples has 0.2456 for the first, LuxCore with 4096 0.2437. Light that glass gathers is noisy: the 1024

@@ -1,5 +1,7 @@
 //! Conventions of groups, instances and shared meshes.
 
+use ltsc_core::capability::Feature;
+
 use super::super::formula::slab_once;
 use super::super::kinds::{Axis, Channel, Check, Convention, Expected, Measure, Region, Tolerance, View, area};
 use super::{check, convention};
@@ -7,6 +9,7 @@ use super::{check, convention};
 pub(super) const ROWS: &[Convention] = &[
     convention!(
         "instance_transform",
+        &[Feature::Instances],
         // Pixels from the left are 32 + 8 x, from the top 32 - 8 z.
         &[View::plain(&[
             // (1, 0) -> (2, 0) -> (0, -2) -> (1.5, -1.5) in x and z.
@@ -21,7 +24,22 @@ pub(super) const ROWS: &[Convention] = &[
         ])]
     ),
     convention!(
+        "repeated_group",
+        &[Feature::Instances, Feature::ColouredDiffuse],
+        // Pixels from the left are 32 + 8 x, from the top 32 - 8 z.
+        &[View::plain(&[
+            part("scaled, left", (8.0, 16.0, 8.0, 24.0), Channel::Red, 0.8),
+            part("scaled, right", (16.0, 24.0, 8.0, 24.0), Channel::Green, 0.4),
+            part("mirrored, left", (44.0, 48.0, 12.0, 20.0), Channel::Green, 0.4),
+            part("mirrored, right", (48.0, 52.0, 12.0, 20.0), Channel::Red, 0.8),
+            part("turned, top", (44.0, 52.0, 44.0, 48.0), Channel::Green, 0.4),
+            part("turned, bottom", (44.0, 52.0, 48.0, 52.0), Channel::Red, 0.8),
+            part("between them", (0.0, 40.0, 28.0, 64.0), Channel::All, 0.0),
+        ])]
+    ),
+    convention!(
         "nested_groups",
+        &[Feature::Instances],
         &[View::plain(&[
             // (1, 0) -> (2, 0) -> (0, -2) -> (0, -1).
             middle("moved, then turned: across", Channel::Red, Axis::X, 32.0),
@@ -33,6 +51,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "mirrored_instance",
+        &[Feature::Instances, Feature::VertexNormals],
         &[View::plain(&[
             check(
                 "slab of glass",
@@ -51,6 +70,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "emitter_in_group",
+        &[Feature::BlackEmitter, Feature::TransformedShape],
         &[View::plain(&[
             check("scaled and turned", mean(6.0, 10.0, 6.0, 10.0, 32.0), Expected::Number(2.0), Tolerance::Share(0.02)),
             check("the back of a mirrored one", mean(22.0, 26.0, 12.0, 13.0, 32.0), Expected::Number(0.0), DARK),
@@ -59,6 +79,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "shared_mesh",
+        &[Feature::SharedMesh, Feature::TransformedShape, Feature::ColouredDiffuse, Feature::Diffuse],
         &[View::plain(&[
             check("moved", mean(8.0, 16.0, 8.0, 16.0, 64.0), Expected::Number(0.8), Tolerance::Share(0.025)),
             Check {
@@ -77,6 +98,18 @@ const WHOLE: Measure = Measure::Mean(Region::ALL, Channel::All);
 
 const fn middle(name: &'static str, channel: Channel, axis: Axis, expected: f64) -> Check {
     check(name, Measure::Middle(channel, axis), Expected::Number(expected), Tolerance::Plain(0.1))
+}
+
+/// Columns from and to, rows from and to, of an image of 64 pixels; what is meant is a quarter of a pixel away from its neighbours.
+const fn part(
+    name: &'static str,
+    (left, right, top, bottom): (f64, f64, f64, f64),
+    channel: Channel,
+    expected: f64,
+) -> Check {
+    let region = area(left / 64.0, right / 64.0, top / 64.0, bottom / 64.0);
+    let tolerance = if expected == 0.0 { DARK } else { Tolerance::Share(0.005) };
+    check(name, Measure::Mean(region, channel), Expected::Number(expected), tolerance)
 }
 
 /// Columns and rows of an image of `size` by `size` pixels.

@@ -10,6 +10,7 @@ use super::{check, convention};
 pub(super) const ROWS: &[Convention] = &[
     convention!(
         "point_light",
+        &[Feature::PointLight, Feature::ColouredEmitter, Feature::Diffuse],
         &[View::plain(&[
             near("red", NEAR_BULB, Channel::Red),
             near("green", NEAR_BULB, Channel::Green),
@@ -25,6 +26,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "spot_light",
+        &[Feature::SpotLight, Feature::SoftSpotLight],
         &[View::plain(&[
             near("on the axis", columns(31.0, 33.0), Channel::All),
             Check { known: LUXCORE_CONE, ..near("10 degrees", columns(38.0, 40.0), Channel::All) },
@@ -40,6 +42,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "directional_light",
+        &[Feature::DirectionalLight, Feature::ColouredEmitter, Feature::ColouredDiffuse, Feature::Diffuse],
         &[View::plain(&[
             near("red", FLOOR, Channel::Red),
             near("green", FLOOR, Channel::Green),
@@ -54,6 +57,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "environment_light",
+        &[Feature::Environment, Feature::ColouredEmitter, Feature::ColouredDiffuse],
         &[View::plain(&[
             check("seen, red", Measure::Mean(RIGHT, Channel::Red), Expected::Number(1.0), Tolerance::Share(1e-3)),
             check("seen, green", Measure::Mean(RIGHT, Channel::Green), Expected::Number(2.0), Tolerance::Share(1e-3)),

@@ -1,6 +1,7 @@
 //! The table of conventions, by what they are about. Each has one scene in `compiler/cli/conventions`; a test compares.
 
 mod camera;
+mod coats;
 mod conductors;
 mod emission;
 mod glass;
@@ -10,12 +11,13 @@ mod shading;
 
 use super::kinds::{Check, Convention, Expected, Measure, Tolerance};
 
-/// A convention with the text of its scene.
+/// A convention with the text of its scene, and what it proves.
 macro_rules! convention {
-    ($name:literal, $views:expr) => {
+    ($name:literal, $proves:expr, $views:expr) => {
         Convention {
             name: $name,
             text: include_str!(concat!(env!("CARGO_MANIFEST_DIR"), "/compiler/cli/conventions/", $name, ".lts")),
+            proves: $proves,
             views: $views,
         }
     };
@@ -23,8 +25,16 @@ macro_rules! convention {
 use convention;
 
 /// All conventions by family, in the order in which they are shown.
-const FAMILIES: &[&[Convention]] =
-    &[camera::ROWS, emission::ROWS, lights::ROWS, conductors::ROWS, glass::ROWS, shading::ROWS, groups::ROWS];
+const FAMILIES: &[&[Convention]] = &[
+    camera::ROWS,
+    emission::ROWS,
+    lights::ROWS,
+    conductors::ROWS,
+    glass::ROWS,
+    coats::ROWS,
+    shading::ROWS,
+    groups::ROWS,
+];
 
 /// All conventions.
 pub fn all() -> impl Iterator<Item = &'static Convention> {

@@ -11,6 +11,7 @@ use super::{check, convention};
 pub(super) const ROWS: &[Convention] = &[
     convention!(
         "normal_interpolation",
+        &[Feature::VertexNormals, Feature::SmoothDiffuse],
         &[View::plain(&[
             interpolated("left edge", area(0.0, 0.125, 0.0, 1.0)),
             interpolated("between", area(0.25, 0.375, 0.0, 1.0)),
@@ -19,7 +20,18 @@ pub(super) const ROWS: &[Convention] = &[
         ])]
     ),
     convention!(
+        "flat_faces",
+        &[Feature::NoNormals],
+        &[View::plain(&[
+            interpolated("left face", area(0.0, 0.4, 0.0, 1.0)),
+            interpolated("right face", area(0.6, 1.0, 0.0, 1.0)),
+            interpolated("left of the ridge", area(0.40625, 0.46875, 0.0, 1.0)),
+            interpolated("right of the ridge", area(0.53125, 0.59375, 0.0, 1.0)),
+        ])]
+    ),
+    convention!(
         "turned_normals",
+        &[Feature::VertexNormals, Feature::SmoothDiffuse],
         &[View::plain(&[Check {
             known: &[Known {
                 target: Some("pbrt-v3"),
@@ -37,6 +49,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "coarse_sphere",
+        &[Feature::VertexNormals, Feature::SmoothDiffuse],
         &[View::plain(&[
             sphere(
                 "whole image",
@@ -66,7 +79,18 @@ pub(super) const ROWS: &[Convention] = &[
         ])]
     ),
     convention!(
+        "far_camera",
+        &[Feature::Diffuse, Feature::Camera],
+        &[View::plain(&[
+            turned("0 degrees", 0),
+            turned("1.5 degrees", 1),
+            turned("3 degrees", 2),
+            turned("5 degrees", 3)
+        ])]
+    ),
+    convention!(
         "corner_leak",
+        &[Feature::IndirectLight],
         &[
             View { name: "at the origin", set: &[("away", "0"), ("window", "0.06")], ..View::plain(CORNER) },
             View { name: "1000 away", set: &[("away", "1000"), ("window", "0.6")], ..View::plain(CORNER) },
@@ -74,6 +98,12 @@ pub(super) const ROWS: &[Convention] = &[
         ]
     ),
 ];
+
+/// Two rows in the middle of a plate, the plates four rows apart.
+const fn turned(name: &'static str, at: usize) -> Check {
+    let top = 5.0 + 4.0 * at as f64;
+    interpolated(name, area(0.375, 0.625, top / 32.0, (top + 2.0) / 32.0))
+}
 
 const fn interpolated(name: &'static str, region: Region) -> Check {
     check(name, Measure::Mean(region, Channel::All), Expected::Ideal, Tolerance::Share(5e-3))

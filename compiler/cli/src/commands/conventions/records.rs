@@ -1,0 +1,41 @@
+//! Proofs of targets' answers that are no convention: sections of docs/conventions.md with the numbers, and tests that measure.
+
+use ltsc_core::capability::Feature;
+use ltsc_core::manual::Proof;
+
+/// A proof of some answers of some targets.
+pub struct Record {
+    /// The targets; all if empty.
+    pub targets: &'static [&'static str],
+    /// What their answers are to.
+    pub features: &'static [Feature],
+    /// Where it is.
+    pub at: At,
+}
+
+/// Where a proof is. A test finds each.
+pub enum At {
+    /// A section of docs/conventions.md, by its heading.
+    Section(&'static str),
+    /// A test: its file below the project, and its name.
+    Test(&'static str, &'static str),
+}
+
+impl At {
+    /// As pages show it.
+    pub fn proof(&self) -> Proof {
+        match self {
+            Self::Section(heading) => {
+                let kept = heading.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-'));
+                let anchor = kept.collect::<String>().to_lowercase().replace(' ', "-");
+                Proof { name: (*heading).to_owned(), link: format!("conventions.md#{anchor}"), with: String::new() }
+            }
+            Self::Test(file, name) => {
+                Proof { name: format!("test `{name}`"), link: format!("../{file}"), with: String::new() }
+            }
+        }
+    }
+}
+
+/// All of them.
+pub const RECORDS: &[Record] = &[];
