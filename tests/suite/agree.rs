@@ -23,18 +23,19 @@ fn one_renderer_agrees_with_itself_and_not_with_other_depths() {
     }
     let folder = tempfile::tempdir().expect("a folder");
     let record = folder.path().join("agreement.json");
-    let agree = |reference: &str, more: &[&str]| {
+    let agree = |reference: &str, tolerance: &str, more: &[&str]| {
         run(ltsc()
             .arg("agree")
             .arg(scene())
-            .args(["--renderer", "mitsuba-3", "--seeds", "3", "--samples", "32", "--size", "32", "--reference"])
+            .args(["--renderer", "mitsuba-3", "--seeds", "4", "--samples", "32", "--size", "32"])
+            .args(["--tolerance", tolerance, "--mean-tolerance", "0.05", "--reference"])
             .arg(folder.path().join(reference))
             .args(["--reference-name", "made for this test", "--keep"])
             .arg(folder.path().join("kept"))
             .args(more))
     };
     for (name, depth) in [("same", "10"), ("shallow", "3")] {
-        for seed in ["100", "101", "102"] {
+        for seed in ["100", "101", "102", "103"] {
             let image = folder.path().join(format!("{name}/cbox_classic-{}.exr", &seed[2..]));
             let ran = run(ltsc()
                 .arg("render")
@@ -45,18 +46,28 @@ fn one_renderer_agrees_with_itself_and_not_with_other_depths() {
             assert_eq!(ran.code, Some(0), "{}", ran.err);
         }
     }
-    let same = agree("same", &["--record", record.to_str().expect("a name")]);
+    let same = agree("same", "40%", &["--record", record.to_str().expect("a name")]);
     assert_eq!(same.code, Some(0), "{}{}", same.out, same.err);
-    assert!(same.out.contains("reference and mitsuba-3 agree"), "{}", same.out);
+    assert!(same.out.contains("reference and mitsuba-3: agree: within 40.0 %"), "{}", same.out);
+    // The same images prove nothing narrower, and say how many samples would.
+    let narrow = agree("same", "2%", &["--require-agree"]);
+    assert_eq!(narrow.code, Some(1), "{}{}", narrow.out, narrow.err);
+    assert!(
+        narrow.out.contains("undecided") && narrow.out.contains("samples per pixel would show it"),
+        "{}",
+        narrow.out
+    );
     // Taken from the folder of kept images: the same numbers.
-    let shallow = agree("shallow", &["--format", "json"]);
+    let shallow = agree("shallow", "40%", &["--format", "json"]);
     assert_eq!(shallow.code, Some(1), "{}{}", shallow.out, shallow.err);
     let answer: serde_json::Value = serde_json::from_str(&shallow.out).expect("JSON");
     let row = &answer["rows"][0];
-    assert!(row["agreement"]["ratio"].as_f64().expect("a ratio") > 1.02, "{row}");
-    assert!(row["failures"][0].as_str().expect("a failure").contains("means differ by +"), "{row}");
+    assert_eq!(row["verdict"]["outcome"], "differ", "{row}");
+    for channel in 0..3 {
+        assert!(row["verdict"]["channels"][channel]["ratio"].as_f64().expect("a ratio") > 1.02, "{row}");
+    }
     let page = fs::read_to_string(record.with_extension("md")).expect("a page");
-    assert!(page.contains("made for this test") && page.contains("agree within"), "{page}");
+    assert!(page.contains("made for this test") && page.contains("**agree**"), "{page}");
 }
 
 #[test]
@@ -64,6 +75,8 @@ fn wrong_usage_is_told_apart() {
     let ran = |args: &[&str]| run(ltsc().arg("agree").args(args));
     let one = ran(&["scenes-src/ring.lts", "--seeds", "1"]);
     assert!(one.code == Some(2) && one.err.contains("4 seeds"), "{}", one.err);
+    let share = ran(&["scenes-src/ring.lts", "--tolerance", "5"]);
+    assert!(share.code == Some(2) && share.err.contains("`0.05` or `5%`"), "{}", share.err);
     let unknown = ran(&["scenes-src/ring.lts", "--renderer", "mitsuba-4"]);
     assert!(unknown.code == Some(2) && unknown.err.contains("mitsuba-3"), "{}", unknown.err);
     let alone = ran(&["scenes-src/ring.lts", "--renderer", "mitsuba-3"]);

@@ -415,6 +415,15 @@ pub struct Agree {
     /// The first seed.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=10_000))]
     pub first_seed: u32,
+    /// The share by which a tile may differ in each channel, beside what targets state of the scene.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share)]
+    pub tolerance: f64,
+    /// The share by which the whole image may differ in each channel, likewise.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share)]
+    pub mean_tolerance: f64,
+    /// Exit with 1 also where agreement is undecided.
+    #[arg(long)]
+    pub require_agree: bool,
     /// Samples per pixel of each image.
     #[arg(long, value_name = "N", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..))]
     pub samples: u32,
@@ -605,5 +614,14 @@ impl Doc {
     /// How findings are shown: to people, with the project's levels.
     pub fn findings(&self) -> Findings {
         Findings::plain(self.limits.clone(), self.root.clone())
+    }
+}
+
+/// A share above 0: `0.05`, or `5%`.
+fn share(text: &str) -> Result<f64, String> {
+    let (number, part) = text.strip_suffix('%').map_or((text, 1.0), |number| (number, 100.0));
+    match number.trim().parse::<f64>() {
+        Ok(value) if value > 0.0 && value / part < 1.0 => Ok(value / part),
+        _ => Err("a share lies between 0 and 1, such as `0.05` or `5%`".to_owned()),
     }
 }

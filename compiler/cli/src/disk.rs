@@ -201,6 +201,18 @@ impl DiskSink {
         &self.changes
     }
 
+    /// A hash of the paths and contents of the files that `counts` says yes to.
+    pub fn content(&self, counts: impl Fn(&str) -> bool) -> blake3::Hash {
+        let mut hasher = blake3::Hasher::new();
+        for (path, hash) in self.manifest.files.iter().filter(|(path, _)| counts(path)) {
+            // Lengths keep two different lists of files from looking alike.
+            hasher.update(&(path.len() as u64).to_le_bytes());
+            hasher.update(path.as_bytes());
+            hasher.update(hash.as_bytes());
+        }
+        hasher.finalize()
+    }
+
     /// Ends the folder: files get their names, those that were ours and are no longer part of it go, and the manifest is written.
     pub fn finish(mut self) -> io::Result<Changes> {
         for (path, staged) in std::mem::take(&mut self.staged) {

@@ -1,12 +1,12 @@
 //! Compares two images of the same scene. A is the reference: ratios are B/A, differences B - A.
 
-mod agreement;
 pub mod metrics;
 mod pair;
 mod picture;
 mod shift;
 mod text;
 mod tiles;
+pub mod verdict;
 
 use std::fmt;
 
@@ -14,7 +14,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::image::Image;
 
-pub use agreement::{Agreement, Bounds};
 pub use metrics::{METRICS, Metric};
 pub use pair::{Pair, Value};
 pub use picture::{difference_rgb8, relative_rgb8, shown_rgb8, write_difference_png, write_png};
@@ -95,6 +94,11 @@ pub enum CompareError {
         /// How many in B.
         b: usize,
     },
+    /// Too few images to tell their noise.
+    Few {
+        /// How many there are.
+        images: usize,
+    },
     /// Nothing is left to compare.
     Empty,
 }
@@ -109,6 +113,7 @@ impl CompareError {
                 "such pixels spoil every mean; look for their cause, or leave them out with `--mask-nonfinite`"
                     .to_owned()
             }
+            Self::Few { .. } => "give 4 images or more with different seeds; 8 tell their noise well".to_owned(),
             Self::Empty => "look at the images: one of them holds no finite pixel".to_owned(),
         }
     }
@@ -123,6 +128,7 @@ impl fmt::Display for CompareError {
             Self::NonFinite { a, b } => {
                 write!(f, "{a} pixels of A and {b} pixels of B are infinite or not a number")
             }
+            Self::Few { images } => write!(f, "{images} images tell too little of their noise"),
             Self::Empty => write!(f, "the images have no pixel in common that could be compared"),
         }
     }

@@ -21,7 +21,7 @@ use crate::output::{Exit, Failure};
 use crate::project;
 use crate::terminal::{self, Bar};
 
-use super::rendering::lacks;
+use super::job::lacks;
 use super::shared::{One, one};
 
 pub fn run(command: &Render) -> Result<Exit, Failure> {

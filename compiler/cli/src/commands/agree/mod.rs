@@ -11,7 +11,7 @@ use ltsc_core::ir::Scene;
 use ltsc_core::ledger::Ledger;
 use ltsc_core::pipeline;
 use ltsc_core::valid::Valid;
-use ltsc_render::compare::{Agreement, Bounds};
+use ltsc_render::compare::verdict::{self, Outcome, Tolerance};
 use ltsc_render::image::{Image, Provenance, read, reduce, write_exr};
 use ltsc_render::run::{Driver, Rendered};
 use serde_json::json;
@@ -21,13 +21,10 @@ use crate::output::{Exit, Failure};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
 
-use super::render::find_driver;
-use super::rendering::{is_there, lacks, rendered};
+use super::job::{Job, Runner, is_there, lacks};
+use super::render::{failure, find_driver};
 use super::shared::{all_files_of, check, overrides, report};
-use page::{Row, Side};
-
-/// Metals in LuxCore: the share by which means may differ, for its Fresnel term is an approximation even when fitted.
-const METALS: f64 = 0.01;
+use page::{Row, Side, Stated};
 
 /// The renderers that are compared unless others are named.
 const DEFAULT: [&str; 3] = ["mitsuba-3", "luxcore", "cycles"];
@@ -36,8 +33,8 @@ const DEFAULT: [&str; 3] = ["mitsuba-3", "luxcore", "cycles"];
 struct Made {
     side: Side,
     images: Vec<Image>,
-    /// Whether the target says metals approximately.
-    metals: bool,
+    /// What the target states of this scene: by how much it may be off, and in what.
+    stated: Vec<Stated>,
 }
 
 pub fn run(command: &Agree) -> Result<Exit, Failure> {
@@ -49,8 +46,9 @@ pub fn run(command: &Agree) -> Result<Exit, Failure> {
     } else {
         command.renderer.iter().map(|name| find_driver(name)).collect::<Result<_, _>>()?
     };
-    if command.seeds < 2 {
-        return Err(Failure::new(Exit::Usage, "one image tells nothing of its noise").help("ask for 4 seeds or more"));
+    if command.seeds < 3 {
+        let images = if command.seeds == 1 { "one image tells nothing" } else { "two images tell too little" };
+        return Err(Failure::new(Exit::Usage, format!("{images} of their noise")).help("ask for 4 seeds or more"));
     }
     if drivers.len() < 2 && command.reference.is_none() {
         return Err(Failure::new(Exit::Usage, "one renderer has nothing to agree with")
@@ -85,13 +83,12 @@ pub fn run(command: &Agree) -> Result<Exit, Failure> {
         let rows: Vec<serde_json::Value> = rows.iter().map(|row| json!(row)).collect();
         terminal::print(&format!("{:#}\n", json!({ "rows": rows })));
     }
-    let differ = rows.iter().filter(|row| !row.failures.is_empty()).count();
-    terminal::say(&format!(
-        "{} comparison{}, {differ} without agreement",
-        rows.len(),
-        if rows.len() == 1 { "" } else { "s" }
-    ));
-    Ok(exit.max(if differ > 0 { Exit::No } else { Exit::Done }))
+    let count = |outcome| rows.iter().filter(|row| row.verdict.outcome == outcome).count();
+    let [agree, differ, undecided] = [Outcome::Agree, Outcome::Differ, Outcome::Undecided].map(count);
+    let plural = if rows.len() == 1 { "" } else { "s" };
+    terminal::say(&format!("{} comparison{plural}: {agree} agree, {differ} differ, {undecided} undecided", rows.len()));
+    let no = differ > 0 || command.require_agree && undecided > 0;
+    Ok(exit.max(if no { Exit::No } else { Exit::Done }))
 }
 
 /// The scene in `file` at the size asked for; none for a library.
@@ -146,8 +143,7 @@ fn scene_rows(
         for b in &made[at + 1..] {
             let row = compare(command, scene, a, b)?;
             if command.format != Format::Json {
-                terminal::print(&format!("{}\n", row.line()));
-                row.failures.iter().for_each(|failure| terminal::print(&format!("    {failure}\n")));
+                terminal::print(&row.text());
             }
             rows.push(row);
         }
@@ -156,12 +152,18 @@ fn scene_rows(
 }
 
 fn compare(command: &Agree, scene: &Scene, a: &Made, b: &Made) -> Result<Row, Failure> {
-    let agreement = Agreement::of(&a.images, &b.images).map_err(|error| {
+    let mut stated: Vec<Stated> = a.stated.iter().chain(&b.stated).cloned().collect();
+    stated.sort_by(|one, other| other.share.total_cmp(&one.share));
+    let more: f64 = stated.iter().map(|one| one.share).sum();
+    let tolerance = Tolerance { tiles: command.tolerance + more, whole: command.mean_tolerance + more };
+    let side = |made: &'_ Made| made.images.len();
+    let samples = f64::from(command.samples);
+    let of = |images| verdict::Rendered { images, samples };
+    let verdict = verdict::judge(of(&a.images), of(&b.images), tolerance).map_err(|error| {
         let (one, other) = (&a.side.name, &b.side.name);
-        Failure::new(Exit::Environment, format!("{}: {one} and {other}: {error}", scene.name)).help(error.hint())
+        let counts = format!("{one} ({}) and {other} ({})", side(a), side(b));
+        Failure::new(Exit::Environment, format!("{}: {counts}: {error}", scene.name)).help(error.hint())
     })?;
-    let bounds = if a.metals || b.metals { Bounds { mean: METALS, ..Bounds::default() } } else { Bounds::default() };
-    let failures = agreement.failures(bounds);
     Ok(Row {
         scene: scene.name.clone(),
         settings: command.set.clone(),
@@ -169,9 +171,8 @@ fn compare(command: &Agree, scene: &Scene, a: &Made, b: &Made) -> Result<Row, Fa
         samples: command.samples,
         a: a.side.clone(),
         b: b.side.clone(),
-        bound: bounds.mean,
-        agreement,
-        failures,
+        stated,
+        verdict,
     })
 }
 
@@ -195,35 +196,36 @@ fn reference(command: &Agree, scene: &Scene) -> Result<Option<Made>, Failure> {
         return Ok(None);
     }
     let version = command.reference_name.clone().unwrap_or_default();
-    Ok(Some(Made { side: Side { name: "reference".to_owned(), version, seconds: None }, images, metals: false }))
+    Ok(Some(Made { side: Side { name: "reference".to_owned(), version, seconds: None }, images, stated: Vec::new() }))
 }
 
-/// One image for each seed; those in the folder of kept images that are of the same scene and settings are taken from there.
+/// One image for each seed; those in the folder of kept images that are of the same files and settings are taken from there.
 fn images(command: &Agree, project: &Project, scene: &Valid, driver: &'static Driver) -> Result<Made, Failure> {
-    let target = project::target(driver.target)?;
     let what = format!("{} ({})", scene.name, driver.name);
-    let metals = Ledger::of(scene, target, &[]).approximated.iter().any(|one| one.what.contains("conductor"));
     let mut side = Side { name: driver.name.to_owned(), version: String::new(), seconds: Some(0.0) };
     let mut images = Vec::new();
     let mut bar = Bar::new(u64::from(command.seeds), &what);
-    let hash = hash(scene, command);
+    let timeout = Some(Duration::from_secs(command.timeout));
+    let runner = Runner { timeout, ..Runner::find(driver, None, Some(project))? };
+    let job = Job::new(scene, &runner)?;
     for seed in 0..command.seeds {
         let seed = command.first_seed + seed;
+        let key = job.key(command.samples, seed);
         let kept = command
             .keep
             .as_ref()
-            .map(|folder| folder.join(&scene.name).join(format!("{}-{}-{seed}.exr", driver.name, &hash[..12])));
-        let known = kept.as_deref().and_then(|file| known(file, &hash));
+            .map(|folder| folder.join(&scene.name).join(format!("{}-{seed}-{}.exr", driver.name, &key[..12])));
+        let known = kept.as_deref().and_then(|file| known(file, &key));
         let (image, version, seconds) = match known {
             Some(known) => known,
             None => {
-                let timeout = Some(Duration::from_secs(command.timeout));
-                let done = rendered(project, scene, driver, (command.samples, seed), timeout, &mut |_| bar.say(&what));
-                let Rendered { image, renderer_version, seconds, samples_done, .. } = done?;
+                let done = job.render(command.samples, seed, &mut |_| bar.say(&what));
+                let Rendered { image, renderer_version, seconds, samples_done, .. } =
+                    done.map_err(|error| failure(&error))?;
                 if let Some(file) = &kept {
                     let provenance = Provenance {
                         scene: scene.name.clone(),
-                        scene_hash: hash.clone(),
+                        scene_hash: key,
                         version: env!("CARGO_PKG_VERSION").to_owned(),
                         renderer: driver.name.to_owned(),
                         renderer_version: renderer_version.clone(),
@@ -243,7 +245,17 @@ fn images(command: &Agree, project: &Project, scene: &Valid, driver: &'static Dr
         bar.set(images.len() as u64);
     }
     bar.finish();
-    Ok(Made { side, images, metals })
+    Ok(Made { side, images, stated: stated(scene, driver)? })
+}
+
+/// What a renderer's target states of a scene with a number: by how much its light may be off.
+fn stated(scene: &Scene, driver: &Driver) -> Result<Vec<Stated>, Failure> {
+    let ledger = Ledger::of(scene, project::target(driver.target)?, &[]);
+    let here = ledger.approximated.iter().filter_map(|one| {
+        let share = one.here.as_ref()?.at_most;
+        (share > 0.0).then(|| Stated { by: driver.name.to_owned(), what: one.what.to_owned(), share })
+    });
+    Ok(here.collect())
 }
 
 fn keep(file: &Path, image: &Image, provenance: &Provenance) -> Result<(), Failure> {
@@ -254,19 +266,11 @@ fn keep(file: &Path, image: &Image, provenance: &Provenance) -> Result<(), Failu
         .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))
 }
 
-/// An image rendered before, with its renderer's version and time, if it is of this scene and these settings.
-fn known(file: &Path, hash: &str) -> Option<(Image, String, f64)> {
+/// An image rendered before, with its renderer's version and time, if it has this key.
+fn known(file: &Path, key: &str) -> Option<(Image, String, f64)> {
     let (image, attributes) = read(file).ok()?;
     let of = Provenance::from_attributes(&attributes);
-    (of.scene_hash == hash).then_some((image, of.renderer_version, of.seconds))
-}
-
-/// A hash of everything that decides how an image looks, but for renderer and seed.
-fn hash(scene: &Scene, command: &Agree) -> String {
-    let mut hasher = blake3::Hasher::new();
-    hasher.update(env!("CARGO_PKG_VERSION").as_bytes());
-    hasher.update(format!("{scene:?} {} {}", command.size, command.samples).as_bytes());
-    hasher.finalize().to_hex().to_string()
+    (of.scene_hash == key).then_some((image, of.renderer_version, of.seconds))
 }
 
 /// Whether the page is what the record says; nothing is rendered.

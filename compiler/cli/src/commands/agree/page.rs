@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use ltsc_render::compare::Agreement;
+use ltsc_render::compare::verdict::{Cell, Outcome, Verdict};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -36,30 +36,118 @@ pub struct Row {
     pub a: Side,
     /// What is compared with it.
     pub b: Side,
-    /// The share by which the means may differ.
-    pub bound: f64,
-    /// The numbers.
-    pub agreement: Agreement,
-    /// What does not hold; empty where they agree.
-    pub failures: Vec<String>,
+    /// What the targets state of the scene; the tolerance is wider by it.
+    pub stated: Vec<Stated>,
+    /// What is proved.
+    pub verdict: Verdict,
 }
+
+/// By how much a target says that it may be off for a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stated {
+    /// The renderer.
+    pub by: String,
+    /// In what.
+    pub what: String,
+    /// The largest share.
+    pub share: f64,
+}
+
+/// A channel by its number.
+const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 impl Row {
     /// For people.
-    pub fn line(&self) -> String {
-        let Agreement { ratio, error, rms, worst, worst_tile: (column, row), .. } = &self.agreement;
-        let verdict = if self.failures.is_empty() { "agree" } else { "do not agree" };
-        let name = &self.scene;
+    pub fn text(&self) -> String {
+        let (name, verdict) = (&self.scene, &self.verdict);
         let settings = self.settings.iter().map(|one| format!(" {one}")).collect::<String>();
-        format!(
-            "{name}{settings}: {} and {} {verdict}: means {ratio:.4} +- {error:.4}, tiles rms z {rms:.2}, largest {worst:.1} ({column}, {row})",
-            self.a.name, self.b.name
-        )
+        let mut text = format!(
+            "{name}{settings}: {} and {}: {}: {}\n    B / A {}\n",
+            self.a.name,
+            self.b.name,
+            verdict.outcome.word(),
+            self.proof(),
+            self.channels()
+        );
+        for note in self.notes() {
+            text.push_str(&format!("    {note}\n"));
+        }
+        text
+    }
+
+    /// The ratios of the channels with their standard errors.
+    fn channels(&self) -> String {
+        let of = |channel: &ltsc_render::compare::verdict::Channel| match channel.ratio {
+            Some(ratio) => format!("{ratio:.4} +- {:.4}", channel.error),
+            None => "-".to_owned(),
+        };
+        self.verdict.channels.iter().map(of).collect::<Vec<_>>().join(", ")
+    }
+
+    /// What stands behind the outcome, in words.
+    fn proof(&self) -> String {
+        let verdict = &self.verdict;
+        let within = format!(
+            "{:.1} % in each of {} tiles, {:.1} % in the whole",
+            100.0 * verdict.tolerance.tiles,
+            verdict.tiles.len(),
+            100.0 * verdict.tolerance.whole
+        );
+        match verdict.outcome {
+            Outcome::Agree => format!("within {within}"),
+            Outcome::Differ => format!("{}, z {:.1}, by more than {within}", place(&verdict.worst), verdict.worst.z),
+            Outcome::Undecided => {
+                let open = verdict.tiles.iter().filter(|tile| **tile != Outcome::Agree).count();
+                let samples = |samples: Option<f64>| samples.map_or("more than can be told".to_owned(), rounded);
+                let needed = verdict.needed.map_or(String::new(), |needed| {
+                    let (half, most) = (samples(needed.half), samples(needed.most));
+                    format!("; if they are equal, {half} samples per pixel would show it in one of two cases, {most} in nine of ten")
+                });
+                format!("{open} tiles not within {within}{needed}")
+            }
+        }
+    }
+
+    /// What else there is to know.
+    fn notes(&self) -> Vec<String> {
+        let verdict = &self.verdict;
+        let mut notes: Vec<String> = Vec::new();
+        for Stated { by, what, share } in &self.stated {
+            notes.push(format!("{:.1} % of it are stated: {by}, {what}", 100.0 * share));
+        }
+        if verdict.rare > 0 {
+            notes.push(format!("{} tiles agree beside rare bright samples that they have not met", verdict.rare));
+        }
+        if verdict.together.0 || verdict.together.1 {
+            notes.push("whole images go up and down together".to_owned());
+        }
+        if verdict.masked > 0 {
+            notes.push(format!("{} pixels left out: not finite, or a light seen directly", verdict.masked));
+        }
+        notes
     }
 
     fn key(&self) -> (&str, &[String], &str, &str) {
         (&self.scene, &self.settings, &self.a.name, &self.b.name)
     }
+}
+
+/// A place and its ratio in words: `green of tile 3, 4 is 1.0210 of it`.
+fn place(cell: &Cell) -> String {
+    let Cell { grid, at: (column, row), channel, ratio, z: _ } = cell;
+    let of = match grid {
+        1 => "the whole image".to_owned(),
+        8 => format!("tile {column}, {row}"),
+        _ => format!("cell {column}, {row} of {grid} x {grid}"),
+    };
+    let ratio = ratio.map_or("light where A is black".to_owned(), |ratio| format!("{ratio:.4}"));
+    format!("{} of {of}: {ratio}", CHANNELS[(*channel).min(2)])
+}
+
+/// Samples to two digits.
+fn rounded(samples: f64) -> String {
+    let scale = 10_f64.powf(samples.log10().floor() - 1.0).max(1.0);
+    format!("{:.0}", (samples / scale).ceil() * scale)
 }
 
 /// The thesis's own Mitsuba 0.5 images against its PBRT 3 ones, 512 x 512 in tiles of 32 pixels: ratio of the means (Mitsuba / PBRT,
@@ -127,10 +215,11 @@ pub fn is_fresh(record: &Path) -> Result<bool, Failure> {
 
 fn page(rows: &[Row]) -> String {
     let mut text = "# Agreement of renderers\n\n*Written by `ltsc agree --record`; do not edit.*\n\n\
-        The scenes in several renderers, several seeds each. B / A are ratios of means; the tiles are those of an 8 x 8 grid, their \
-        luminance\njudged against the noise that the seeds show: z is the difference of two tiles over its standard error, with 0.2 % of the \
-        tile and 0.25 % of\nthe image's mean allowed. Two renderers agree where the means differ by no more than the bound or four standard \
-        errors, the root mean\nsquare of z is below 1.6, and no z is above 6.\n"
+        The scenes in several renderers, several seeds each. **agree** and **differ** are proved, in red, green and blue each: *agree* at \
+        5 % that\nevery tile of an 8 x 8 grid and the whole image lie within the tolerance, *differ* at 0.5 % that something lies beyond \
+        it; *undecided*\nsays how many samples per pixel would show agreement if there is one. More noise never makes more agreement. \
+        The tolerance is 5 % in a\ntile and 1 % in the whole, unless a row says otherwise, and what the targets state of the scene beside \
+        it. B / A are ratios of means.\n"
         .to_owned();
     let mut versions: Vec<String> =
         rows.iter().flat_map(|row| [&row.a, &row.b]).map(|side| format!("{} {}", side.name, side.version)).collect();
@@ -149,7 +238,7 @@ fn page(rows: &[Row]) -> String {
                 ));
             }
             text.push_str(
-                "| A | B | images | R, G, B | means, standard error | tiles: rms z, largest z | farthest tile | |\n|---|---|---|---|---|---|---|---|\n",
+                "| A | B | images | R, G, B of B / A, standard errors | verdict | tiles that agree | |\n|---|---|---|---|---|---|---|\n",
             );
         }
         text.push_str(&line(row));
@@ -158,50 +247,50 @@ fn page(rows: &[Row]) -> String {
 }
 
 fn line(row: &Row) -> String {
-    let Agreement { images, channels, ratio, error, rms, worst, worst_tile: (x, y), farthest, masked } = &row.agreement;
-    let channels: Vec<String> =
-        channels.iter().map(|channel| channel.map_or("-".to_owned(), |ratio| format!("{ratio:.4}"))).collect();
-    let verdict = if row.failures.is_empty() {
-        format!("agree within {:.1} %", 100.0 * row.bound.max(4.0 * error))
-    } else {
-        row.failures.join("; ")
-    };
-    let settings = row.settings.iter().map(|one| format!("`{one}`; ")).collect::<String>();
-    let masked = if *masked > 0 { format!("; {masked} pixels left out") } else { String::new() };
-    let (a, b) = images;
+    let verdict = &row.verdict;
+    let settings = row.settings.iter().map(|one| format!("`{one}`"));
+    let notes: Vec<String> = settings.chain([row.proof()]).chain(row.notes()).collect();
+    let (a, b) = verdict.images;
     let counts = if row.a.name == "reference" { format!("{a}, {b}") } else { format!("{a} each") };
     format!(
-        "| {} | {} | {counts}, {size} x {size}, {} samples | {} | {ratio:.4}, {:.2} % | {rms:.2}, {worst:.1} ({x}, {y}) | {:.1} % | {settings}{verdict}{masked} |\n",
+        "| {} | {} | {counts}, {size} x {size}, {} samples | {} | **{}** | {} of {} | {} |\n",
         row.a.name,
         row.b.name,
         row.samples,
-        channels.join(", "),
-        100.0 * error,
-        100.0 * farthest,
+        row.channels(),
+        verdict.outcome.word(),
+        verdict.tiles.iter().filter(|tile| **tile == Outcome::Agree).count(),
+        verdict.tiles.len(),
+        notes.join("; "),
         size = row.size,
     )
 }
 
 #[cfg(test)]
 mod tests {
+    use ltsc_render::compare::verdict::{Channel, Tolerance};
+
     use super::*;
 
     fn row(scene: &str, b: &str, ratio: f64) -> Row {
         let side = |name: &str| Side { name: name.to_owned(), version: "1.0".to_owned(), seconds: Some(1.5) };
-        let agreement = Agreement {
+        let channel = |ratio| Channel { ratio, error: 0.001 };
+        let verdict = Verdict {
+            outcome: Outcome::Agree,
+            tolerance: Tolerance::default(),
             images: (4, 4),
-            channels: [Some(ratio), Some(1.0), None],
-            ratio,
-            error: 0.001,
-            rms: 0.9,
-            worst: 2.5,
-            worst_tile: (3, 4),
-            farthest: 0.02,
+            channels: [channel(Some(ratio)), channel(Some(1.0)), channel(None)],
+            tiles: vec![Outcome::Agree; 64],
+            worst: Cell { grid: 8, at: (3, 4), channel: 1, ratio: Some(1.02), z: 2.5 },
+            differing: 0,
+            needed: None,
+            rare: 0,
+            together: (false, false),
             masked: 0,
         };
-        let (settings, failures) = (Vec::new(), Vec::new());
+        let stated = vec![Stated { by: "luxcore".to_owned(), what: "a rough conductor".to_owned(), share: 0.03 }];
         let (a, b) = (side("mitsuba-3"), side(b));
-        Row { scene: scene.to_owned(), settings, size: 128, samples: 64, a, b, bound: 0.005, agreement, failures }
+        Row { scene: scene.to_owned(), settings: Vec::new(), size: 128, samples: 64, a, b, stated, verdict }
     }
 
     #[test]
@@ -211,12 +300,16 @@ mod tests {
         record(&file, &[row("ring", "luxcore", 1.01), row("cbox_classic", "luxcore", 1.0)]).expect("written");
         record(&file, &[row("ring", "luxcore", 1.002), row("ring", "cycles", 1.0)]).expect("written");
         let rows = load(&file).expect("a record");
-        let known: Vec<_> =
-            rows.iter().map(|row| (row.scene.as_str(), row.b.name.as_str(), row.agreement.ratio)).collect();
+        let known: Vec<_> = rows
+            .iter()
+            .map(|row| (row.scene.as_str(), row.b.name.as_str(), row.verdict.channels[0].ratio.expect("light")))
+            .collect();
         assert_eq!(known, [("cbox_classic", "luxcore", 1.0), ("ring", "cycles", 1.0), ("ring", "luxcore", 1.002)]);
         let page = fs::read_to_string(beside(&file)).expect("a page");
         assert!(
-            page.contains("## ring") && page.contains("1.0020, 1.0000, -") && page.contains("0.991..1.020"),
+            page.contains("## ring")
+                && page.contains("1.0020 +- 0.0010, 1.0000 +- 0.0010, -")
+                && page.contains("0.991..1.020"),
             "{page}"
         );
         assert!(is_fresh(&file).expect("a record"));

@@ -8,7 +8,6 @@ mod kinds;
 mod measure;
 mod page;
 mod records;
-mod render;
 mod report;
 mod results;
 mod scene;
@@ -29,11 +28,11 @@ use crate::output::{Exit, Failure};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
 
+use super::job::{Job, Runner};
 use super::render::find_driver;
 pub use coverage::built_in as measured_by;
 use judge::Verdict;
 use kinds::Convention;
-use render::Runner;
 use results::{Asked, Results, Row};
 
 pub fn run(command: &Conventions) -> Result<Exit, Failure> {
@@ -103,14 +102,8 @@ fn chosen(only: &[String]) -> Result<Vec<&'static Convention>, Failure> {
 
 fn runner(command: &Conventions, driver: &'static Driver) -> Result<Runner, Failure> {
     let project = Project::here().ok();
-    let configured = project.as_ref().and_then(|project| project.executables.get(driver.name));
-    Runner::find(
-        driver,
-        command.executable.as_deref(),
-        configured.map(std::path::PathBuf::as_path),
-        command.threads as usize,
-        Duration::from_secs(command.timeout),
-    )
+    let found = Runner::find(driver, command.executable.as_deref(), project.as_ref())?;
+    Ok(Runner { threads: Some(command.threads as usize), timeout: Some(Duration::from_secs(command.timeout)), ..found })
 }
 
 /// All views with their answers; what is wrong with a scene shows before the first one is rendered.
@@ -128,7 +121,9 @@ fn measured(runner: &Runner, asked: &[Asked]) -> Result<Results, Failure> {
     for (done, one) in (0..).zip(asked) {
         bar.set(done);
         bar.say(&format!("{} ({})", one.convention.name, runner.driver.name));
-        let image = match runner.image(&one.scene)? {
+        let sampler = &one.scene.sampler;
+        let job = Job::new(&one.scene, runner)?;
+        let image = match job.render(sampler.samples(), sampler.seed(), &mut |_| {}) {
             Ok(rendered) => {
                 version = Some(rendered.renderer_version).filter(|found| !found.is_empty()).unwrap_or(version);
                 Ok(rendered.image)

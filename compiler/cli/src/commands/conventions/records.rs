@@ -38,4 +38,8 @@ impl At {
 }
 
 /// All of them.
-pub const RECORDS: &[Record] = &[];
+pub const RECORDS: &[Record] = &[Record {
+    targets: &["mitsuba-3", "luxcore", "cycles", "pbrt-v4"],
+    features: &[Feature::Seed],
+    at: At::Test("tests/suite/seeds.rs", "seeds_change_the_noise_and_not_the_image"),
+}];

@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::Path;
 
-use ltsc_core::capability::{Support, features};
+use ltsc_core::capability::{Feature, Support, features};
 use ltsc_core::diag::Severity;
 use ltsc_core::formats::{self, TARGETS, Target};
 use ltsc_core::ir::Scene;
@@ -17,8 +17,9 @@ use super::ideal::Ideal;
 use super::judge::Verdict;
 use super::kinds::{By, Convention, Expected, Known, Measure, View};
 use super::measure::measure;
+use super::records::{At, RECORDS};
 use super::results::{self, Asked, Results, Row};
-use super::{report, scene, table};
+use super::{coverage, report, scene, table};
 
 /// Conventions whose images have a closed form everywhere, and the depth of theirs is no part of it.
 const CLOSED: &[&str] = &[
@@ -79,7 +80,7 @@ fn changed(name: &str, view: usize, change: impl Fn(String) -> String) -> Image 
     let convention = find(name);
     let text = change(convention.text.to_owned());
     assert_ne!(text, convention.text, "nothing was planted");
-    let other = Convention { name: convention.name, text: Box::leak(text.into_boxed_str()), views: &[] };
+    let other = Convention { name: convention.name, text: Box::leak(text.into_boxed_str()), proves: &[], views: &[] };
     let scene = scene::prepared(&other, &convention.views[view]).expect("a scene");
     Ideal::new(&scene).image()
 }
@@ -165,6 +166,66 @@ fn stated_deviations_are_stated() {
             }
         }
     }
+}
+
+#[test]
+fn every_convention_proves_something_that_its_scenes_ask_for() {
+    for convention in table::all() {
+        let asked: BTreeSet<Feature> = convention
+            .views
+            .iter()
+            .flat_map(|view| features(&scene::prepared(convention, view).expect("a scene")))
+            .map(|(feature, _)| feature)
+            .collect();
+        assert!(!convention.proves.is_empty(), "{}", convention.name);
+        for feature in convention.proves {
+            assert!(asked.contains(feature), "{} does not ask for {}", convention.name, feature.name());
+        }
+    }
+}
+
+/// Records lead somewhere.
+#[test]
+fn records_are_where_they_say() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let page = fs::read_to_string(root.join("docs/conventions.md")).expect("the page");
+    for record in RECORDS {
+        assert!(record.targets.iter().all(|name| TARGETS.iter().any(|target| target.name == *name)));
+        assert!(!record.features.is_empty());
+        match record.at {
+            At::Section(heading) => {
+                assert!(page.lines().any(|line| line.trim_start_matches('#').trim() == heading), "{heading}");
+            }
+            At::Test(file, name) => {
+                let text = fs::read_to_string(root.join(file)).expect("a file of tests");
+                assert!(text.contains(&format!("#[test]\nfn {name}()")), "{file}: {name}");
+            }
+        }
+    }
+}
+
+/// An answer is measured where a convention that proves it holds, and is not where one fails or none asks.
+#[test]
+fn coverage_counts_what_was_shown() {
+    let all: Vec<Asked> = vec![asked("mirror", 0), asked("path_depth", 0)];
+    let of = |verdict: Verdict| {
+        let mut rows: Vec<Row> =
+            all.iter().flat_map(|one| judged(one, &Ideal::new(&one.scene).image(), "luxcore")).collect();
+        rows.iter_mut().for_each(|row| row.verdict = verdict);
+        let kept = [Results { renderer: "luxcore".to_owned(), version: "1".to_owned(), rows }];
+        let coverage = coverage::of_renderers(&kept, &all);
+        let luxcore = coverage.into_iter().find(|one| one.driver.name == "luxcore").expect("luxcore");
+        let open = |feature: Feature| {
+            let claim = luxcore.claims.iter().find(|claim| claim.feature == feature).expect("a claim");
+            (claim.proofs.iter().any(|proof| !proof.with.is_empty()), !claim.against.is_empty())
+        };
+        assert!(luxcore.claims.iter().all(|claim| claim.feature != Feature::EmissionOnly), "that it has not");
+        [open(Feature::Mirror), open(Feature::Path), open(Feature::Camera)]
+    };
+    assert_eq!(of(Verdict::Holds), [(true, false), (true, false), (false, false)]);
+    assert_eq!(of(Verdict::Approximate), [(true, false), (true, false), (false, false)]);
+    assert_eq!(of(Verdict::Fails), [(false, true), (false, true), (false, false)]);
+    assert_eq!(of(Verdict::Unsupported), [(false, false), (false, false), (false, false)]);
 }
 
 #[test]

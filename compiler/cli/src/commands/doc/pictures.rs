@@ -20,7 +20,7 @@ use crate::output::{Exit, Failure};
 use crate::project::Project;
 use crate::terminal::{self, Bar};
 
-use super::super::rendering::{is_there, lacks, rendered};
+use super::super::job::{Job, Runner, is_there, lacks};
 use super::super::shared::check;
 
 /// The renderers that are compared, the reference first.
@@ -107,15 +107,16 @@ fn one(
         let what = format!("{} ({})", scene.name, driver.name);
         let mut bar = Bar::new(0, &what);
         let timeout = Some(Duration::from_secs(command.timeout));
-        let settings = (command.samples, small.sampler.seed());
-        let done = rendered(project, &small, driver, settings, timeout, &mut |_| bar.say(&what));
+        let runner = Runner { timeout, ..Runner::find(driver, None, Some(project))? };
+        let job = Job::new(&small, &runner)?;
+        let done = job.render(command.samples, small.sampler.seed(), &mut |_| bar.say(&what));
         bar.finish();
         match done {
             Ok(image) => {
                 terminal::say(&format!("{}: {} in {:.1} s", scene.name, driver.name, image.seconds));
                 all.push((driver, image));
             }
-            Err(error) => terminal::say(&format!("{}: {} left out: {}", scene.name, driver.name, error.message)),
+            Err(error) => terminal::say(&format!("{}: {} left out: {error}", scene.name, driver.name)),
         }
     }
     write(command, scene, &all, folder)

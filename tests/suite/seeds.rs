@@ -1,0 +1,75 @@
+//! Seeds of real renderers: each gives other noise and the same image, however large it is and however near to another.
+
+use ltsc_render::cache::CachePaths;
+use ltsc_render::env::Env;
+use ltsc_render::image::{Image, read};
+use ltsc_render::install::{Status, status};
+use ltsc_render::run::{DRIVERS, Installation};
+
+use super::{ltsc, root, run, skip};
+
+/// Neighbors, and numbers beyond what 7 or 8 bits hold.
+const SEEDS: [u32; 5] = [0, 1, 2, 101, 300];
+
+/// The renderers whose images are the same every time.
+const WITHOUT: [&str; 1] = ["rs-pbrt"];
+
+#[test]
+fn seeds_change_the_noise_and_not_the_image() {
+    let env = Env::of_process();
+    let cache = CachePaths::find(&env);
+    for driver in DRIVERS.iter().filter(|driver| !matches!(driver.installation, Installation::User { .. })) {
+        let there = matches!(status(driver, cache.as_ref(), &env), Status::Installed { .. } | Status::External { .. });
+        if !there {
+            skip("seeds", &format!("`ltsc renderers install {}`", driver.name));
+            continue;
+        }
+        let folder = tempfile::tempdir().expect("a folder");
+        let render = |seed: u32| {
+            let out = folder.path().join(format!("{seed}.exr"));
+            let ran = run(ltsc()
+                .arg("render")
+                .arg(root().join("scenes-src/cbox_classic.lts"))
+                .args(["--renderer", driver.name, "--width", "32", "--height", "32", "--samples", "16"])
+                .args(["--seed", &seed.to_string(), "-o"])
+                .arg(&out));
+            (ran.code, out)
+        };
+        if WITHOUT.contains(&driver.name) {
+            assert_eq!(render(1).0, Some(2), "{} has no seeds, and refuses others than 0", driver.name);
+            continue;
+        }
+        let images = SEEDS.map(|seed| {
+            let (code, out) = render(seed);
+            assert_eq!(code, Some(0), "{} {seed}", driver.name);
+            read(&out).expect("an image").0
+        });
+        judge(driver.name, &images);
+    }
+}
+
+/// The images have the same mean, and what each differs by from that mean has nothing to do with what another does, nor with that of
+/// the pixel beside it in another.
+fn judge(name: &str, images: &[Image; SEEDS.len()]) {
+    let count = images.len() as f64;
+    let value = |image: &Image, at: usize| image.pixels[at].iter().map(|x| f64::from(*x)).sum::<f64>();
+    let mean = |at: usize| images.iter().map(|image| value(image, at)).sum::<f64>() / count;
+    let means: Vec<f64> = (0..1024).map(mean).collect();
+    let off: Vec<Vec<f64>> =
+        images.iter().map(|image| (0..1024).map(|at| value(image, at) - means[at]).collect()).collect();
+    let dot = |one: &[f64], other: &[f64]| one.iter().zip(other).map(|(a, b)| a * b).sum::<f64>();
+    for (a, one) in off.iter().enumerate() {
+        for (b, other) in off.iter().enumerate().filter(|(b, _)| *b != a) {
+            let norm = (dot(one, one) * dot(other, other)).sqrt();
+            let pair = format!("{name}: seeds {} and {}", SEEDS[a], SEEDS[b]);
+            // Of the deviations of five independent images from their mean, two correlate by -1 / 4; 0.03 is the standard error.
+            let same = dot(one, other) / norm;
+            assert!((same + 0.25).abs() < 0.2, "{pair} correlate by {same}");
+            let beside = dot(&one[1..], &other[..1023]) / norm;
+            assert!(beside.abs() < 0.2, "{pair} correlate by {beside}, one pixel over");
+        }
+    }
+    let sums: Vec<f64> = images.iter().map(|image| (0..1024).map(|at| value(image, at)).sum::<f64>()).collect();
+    let middle = sums.iter().sum::<f64>() / count;
+    assert!(sums.iter().all(|sum| (sum / middle - 1.0).abs() < 0.05), "{name}: {sums:?}");
+}
