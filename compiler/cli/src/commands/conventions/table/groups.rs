@@ -9,7 +9,7 @@ use super::{check, convention};
 pub(super) const ROWS: &[Convention] = &[
     convention!(
         "instance_transform",
-        &[Feature::Instances],
+        &[Feature::Camera, Feature::ColouredDiffuse],
         // Pixels from the left are 32 + 8 x, from the top 32 - 8 z.
         &[View::plain(&[
             // (1, 0) -> (2, 0) -> (0, -2) -> (1.5, -1.5) in x and z.
@@ -39,7 +39,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "nested_groups",
-        &[Feature::Instances],
+        &[Feature::Camera, Feature::ColouredDiffuse],
         &[View::plain(&[
             // (1, 0) -> (2, 0) -> (0, -2) -> (0, -1).
             middle("moved, then turned: across", Channel::Red, Axis::X, 32.0),
@@ -51,7 +51,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "mirrored_instance",
-        &[Feature::Instances, Feature::VertexNormals],
+        &[Feature::VertexNormals, Feature::SmoothDielectric],
         &[View::plain(&[
             check(
                 "slab of glass",
@@ -70,7 +70,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "emitter_in_group",
-        &[Feature::BlackEmitter, Feature::TransformedShape],
+        &[Feature::BlackEmitter],
         &[View::plain(&[
             check("scaled and turned", mean(6.0, 10.0, 6.0, 10.0, 32.0), Expected::Number(2.0), Tolerance::Share(0.02)),
             check("the back of a mirrored one", mean(22.0, 26.0, 12.0, 13.0, 32.0), Expected::Number(0.0), DARK),
