@@ -50,7 +50,7 @@ impl Runner {
         let work = tempfile::Builder::new().prefix("ltsc-conventions-").tempdir().map_err(failed)?;
         let camera = pipeline::camera(scene, None)
             .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
-        let mut sink = DiskSink::new(work.path(), &scene.name, false, false).map_err(failed)?;
+        let mut sink = DiskSink::own(work.path(), &scene.name);
         pipeline::emit_alone(scene, camera, target, &Ledger::of(scene, target, &[]), &Choices::default(), &mut sink)
             .map_err(failed)?;
         sink.finish().map_err(failed)?;
