@@ -1,7 +1,6 @@
 //! Folders appear as a whole, keep what is not ours, and what a killed run has left is put in order by the next.
 
 use std::fs;
-use std::io::Write;
 use std::path::Path;
 use std::sync::Arc;
 
