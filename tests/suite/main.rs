@@ -12,6 +12,7 @@ mod gallery;
 mod geometry;
 mod gltf;
 mod golden;
+mod interrupted;
 mod ledger;
 mod micro;
 mod mitsuba;

@@ -69,6 +69,14 @@ pub struct Project {
     pub executables: BTreeMap<String, PathBuf>,
 }
 
+/// The root of the project in which a file lies by its own name, wherever a link leads: the nearest folder upward with an `ltsc.toml`, else
+/// the folder of the file.
+pub fn around(file: &Path) -> PathBuf {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf());
+    folder.ancestors().find(|folder| folder.join(FILE).is_file()).unwrap_or(&folder).to_path_buf()
+}
+
 impl Project {
     /// The project of `path`: the nearest folder upward with an `ltsc.toml`; without one, the folder itself, or for a
     /// file the parent of its folder.

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use ltsc_core::diag::{Finding, Severity};
 use ltsc_core::eval::Overrides;
@@ -16,7 +17,7 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use crate::args::{Build, Format};
-use crate::disk::{Changes, DiskSink, MANIFEST, Manifest, unwritable};
+use crate::disk::{Changes, DiskSink, MANIFEST, Manifest, STAGING, Staging, left_over, unwritable};
 use crate::output::{self, Exit, Failure, Located};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
@@ -73,8 +74,8 @@ pub fn run(command: &Build) -> Result<Exit, Failure> {
 }
 
 fn json_of(built: &Built) -> serde_json::Value {
-    let Built { name, targets, changes: Changes { written, same, removed } } = built;
-    json!({ "scene": name, "targets": targets, "written": written, "unchanged": same, "removed": removed })
+    let Built { name, targets, changes: Changes { written, same, removed, kept } } = built;
+    json!({ "scene": name, "targets": targets, "written": written, "unchanged": same, "removed": removed, "kept": kept })
 }
 
 fn build(
@@ -117,11 +118,13 @@ fn build(
     if shown == Format::Human && !command.check {
         say_losses(&scenes.iter().map(|(ledgers, _)| *ledgers).collect::<Vec<_>>());
     }
+    let failed = |error: io::Error| unwritable(output, &error);
+    let staging = if command.check { None } else { Some(Arc::new(Staging::of(output).map_err(failed)?)) };
     let bar = std::sync::Mutex::new((Bar::new(ready.len() as u64, "building"), 0));
     let outcomes: Vec<Result<Outcome, Failure>> = ready
         .par_iter()
         .map(|ready| {
-            let result = write(ready, targets, &choices, output, command);
+            let result = write(ready, targets, &choices, (output, staging.as_ref()), command);
             if let Ok(mut bar) = bar.lock() {
                 bar.1 += 1;
                 let done = bar.1;
@@ -146,8 +149,13 @@ fn build(
         terminal::help("this is a fault of ltsc itself: please report it with the scenes");
         return Ok((Exit::Fault, None));
     }
-    if whole && only.is_empty() {
-        built.extend(orphans(output, &ready, command.check)?);
+    // Another folder may be shared with other projects.
+    if whole && only.is_empty() && command.output.is_none() {
+        built.extend(orphans(output, &ready, staging.as_ref())?);
+    }
+    if command.check && left_over(output) {
+        let changes = Changes { removed: vec![STAGING.to_owned()], ..Changes::default() };
+        built.push(Built { name: String::new(), targets: 0, changes });
     }
     let stale = built.iter().any(|scene| !scene.changes.is_empty());
     if !json {
@@ -199,7 +207,7 @@ fn write(
     ready: &Ready<'_>,
     targets: &[&'static Target],
     choices: &Choices,
-    output: &Path,
+    (output, staging): (&Path, Option<&Arc<Staging>>),
     command: &Build,
 ) -> Result<Outcome, Failure> {
     let scene = &ready.scene;
@@ -207,7 +215,7 @@ fn write(
     let failed = |error: io::Error| unwritable(&folder, &error);
     let camera = pipeline::camera(scene, None)
         .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
-    let mut sink = DiskSink::new(&folder, &scene.name, command.check, command.force).map_err(failed)?;
+    let mut sink = DiskSink::among(staging, &folder, &scene.name, command.force).map_err(failed)?;
     let shares = targets.iter().any(|target| target.shares_meshes);
     if !command.target.is_empty() {
         // The other targets of the folder stay as they are.
@@ -236,7 +244,7 @@ fn write(
 }
 
 /// Folders of scenes that are gone.
-fn orphans(output: &Path, ready: &[Ready<'_>], check: bool) -> Result<Vec<Built>, Failure> {
+fn orphans(output: &Path, ready: &[Ready<'_>], staging: Option<&Arc<Staging>>) -> Result<Vec<Built>, Failure> {
     let names: BTreeSet<&str> = ready.iter().map(|ready| ready.scene.name.as_str()).collect();
     let Ok(entries) = fs::read_dir(output) else { return Ok(Vec::new()) };
     let mut folders: Vec<PathBuf> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
@@ -246,17 +254,21 @@ fn orphans(output: &Path, ready: &[Ready<'_>], check: bool) -> Result<Vec<Built>
         let Some(name) = folder.file_name().and_then(|name| name.to_str()).filter(|name| !names.contains(name)) else {
             continue;
         };
+        // What a link points to is not ours.
+        if fs::symlink_metadata(&folder).is_ok_and(|meta| meta.file_type().is_symlink()) {
+            continue;
+        }
         let Some(manifest) = Manifest::read(&folder).filter(|manifest| manifest.scene == name) else { continue };
         let failed = |error: io::Error| Failure::new(Exit::Environment, format!("{}: {error}", folder.display()));
         let mut changes = Changes { removed: manifest.files.keys().cloned().collect(), ..Changes::default() };
-        changes.removed.push(MANIFEST.to_owned());
-        if !check {
-            let sink = DiskSink::new(&folder, name, false, false).map_err(failed)?;
-            let _removed = sink.finish().map_err(failed)?;
+        if staging.is_some() {
+            changes = DiskSink::among(staging, &folder, name, false).and_then(DiskSink::finish).map_err(failed)?;
+            changes.written.clear();
             fs::remove_file(folder.join(MANIFEST)).map_err(failed)?;
             // Files of someone else's stay, and the folder with them.
             let _kept = fs::remove_dir(&folder);
         }
+        changes.removed.push(MANIFEST.to_owned());
         gone.push(Built { name: name.to_owned(), targets: 0, changes });
     }
     Ok(gone)
@@ -285,6 +297,10 @@ fn summary(built: &[Built], output: &Path, check: bool) {
         }
     }
     terminal::print(&lines);
+    for (name, path) in built.iter().flat_map(|scene| scene.changes.kept.iter().map(|path| (&scene.name, path))) {
+        let path = output.join(name).join(path);
+        terminal::say(&format!("{} is no longer made, and was changed since: it stays", path.display()));
+    }
     let stale = built.iter().any(|scene| !scene.changes.is_empty());
     let targets = built.iter().map(|scene| scene.targets).max().unwrap_or(0);
     let scenes = built.iter().filter(|scene| scene.targets > 0).count();

@@ -12,7 +12,7 @@ use serde_json::Value;
 use similar::TextDiff;
 
 use crate::args;
-use crate::disk::{Changed, write_atomically};
+use crate::disk::{Changed, rewrite};
 use crate::output::{Exit, Failure};
 use crate::project::Project;
 
@@ -170,7 +170,7 @@ pub fn write(project: &Project, findings: &args::Findings, fixed: &Fixed) -> Res
             return Err(Failure::new(Exit::Environment, format!("{path} changed while it was fixed"))
                 .help("run the command again"));
         }
-        write_atomically(&real, &mut |out| out.write_all(after.as_bytes())).map_err(failed)?;
+        rewrite(&real, &project.root, after.as_bytes()).map_err(failed)?;
     }
     Ok(())
 }

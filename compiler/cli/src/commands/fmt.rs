@@ -160,9 +160,7 @@ fn one(asked: &Asked, command: &Fmt) -> Result<Done, Failure> {
         && !command.check
         && !command.diff
     {
-        // A link stays one: what it points to is replaced.
-        let real = fs::canonicalize(file).map_err(unreadable)?;
-        let written = disk::write_atomically(&real, &mut |out| out.write_all(after.as_bytes()));
+        let written = disk::rewrite(file, &project::around(file), after.as_bytes());
         written.map_err(|error| Failure::new(Exit::Environment, format!("{name} cannot be written: {error}")))?;
     }
     Ok(done)

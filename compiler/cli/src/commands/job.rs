@@ -75,7 +75,7 @@ impl<'r> Job<'r> {
         let camera = pipeline::camera(scene, None)
             .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
         let failed = |error: std::io::Error| unwritable(work.path(), &error);
-        let mut sink = DiskSink::new(work.path(), &scene.name, false, false).map_err(failed)?;
+        let mut sink = DiskSink::own(work.path(), &scene.name);
         pipeline::emit_alone(scene, camera, target, &Ledger::of(scene, target, &[]), &Choices::default(), &mut sink)
             .map_err(failed)?;
         if let Some(wrong) = pipeline::audit(scene, camera, &[target], &sink, |_| String::new()).findings().next() {

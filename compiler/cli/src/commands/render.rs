@@ -43,7 +43,7 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
         .map_err(|error| Failure::new(Exit::Environment, format!("no temporary folder can be made: {error}")))?;
     let unwritable =
         |error: std::io::Error| Failure::new(Exit::Environment, format!("{}: {error}", work.path().display()));
-    let mut sink = DiskSink::new(work.path(), &scene.scene.name, false, false).map_err(unwritable)?;
+    let mut sink = DiskSink::own(work.path(), &scene.scene.name);
     pipeline::emit_alone(&scene.scene, scene.camera, target, &scene.ledger(target), &scene.project.choices, &mut sink)
         .map_err(unwritable)?;
     if let Some(exit) = scene.audited(target, &sink, command.findings.format) {

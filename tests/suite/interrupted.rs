@@ -1,0 +1,225 @@
+//! Builds that are killed, several at once, on a full disk: a scene's folder is the old one or the new one, and the next run goes on.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use super::{files_below, ltsc, root, run, skip};
+
+/// Scenes that are quick to build.
+const SCENES: [&str; 2] = ["cbox_classic", "ring"];
+
+/// What each file of the folder of generated scenes holds, by its path.
+type Contents = BTreeMap<String, Vec<u8>>;
+
+/// A project of a few scenes in a folder of its own; `stale` has other numbers in its scenes.
+fn project(folder: &Path, stale: bool) {
+    let scenes = folder.join("scenes-src");
+    fs::create_dir_all(scenes.join("lib")).expect("a folder");
+    fs::write(folder.join("ltsc.toml"), "scenes = \"scenes-src\"\n").expect("written");
+    for file in files_below(&root().join("scenes-src/lib")) {
+        fs::copy(root().join("scenes-src/lib").join(&file), scenes.join("lib").join(&file)).expect("copied");
+    }
+    for scene in SCENES {
+        let text = fs::read_to_string(root().join(format!("scenes-src/{scene}.lts"))).expect("a scene");
+        let text = if stale { text.replace("radiance(30)", "radiance(31)") } else { text };
+        fs::write(scenes.join(format!("{scene}.lts")), text).expect("written");
+    }
+}
+
+fn build(folder: &Path) -> Command {
+    let mut command = ltsc();
+    command.current_dir(folder).args(["build", "--allow", "all"]).stdout(Stdio::null()).stderr(Stdio::null());
+    command
+}
+
+/// All files of each generated scene; none where its folder is missing.
+fn contents(folder: &Path) -> BTreeMap<&'static str, Contents> {
+    let of = |scene: &'static str| {
+        let top = folder.join("generated").join(scene);
+        let read = |path: String| (path.clone(), fs::read(top.join(&path)).expect("a file"));
+        let files = if top.is_dir() { files_below(&top) } else { Vec::new() };
+        (scene, files.into_iter().map(read).collect())
+    };
+    SCENES.into_iter().map(of).collect()
+}
+
+/// What is beside the scenes' folders.
+fn others(folder: &Path) -> Vec<String> {
+    let entries = fs::read_dir(folder.join("generated")).into_iter().flatten().flatten();
+    let names = entries.map(|entry| entry.file_name().to_string_lossy().into_owned());
+    names.filter(|name| !SCENES.contains(&name.as_str())).collect()
+}
+
+/// The state in which a build begins.
+#[derive(Clone, Copy, Debug)]
+enum State {
+    /// Nothing is generated yet.
+    Fresh,
+    /// The scenes have changed.
+    Stale,
+    /// Some files were changed, one is missing.
+    Damaged,
+}
+
+fn copy(from: &Path, to: &Path) {
+    for file in files_below(from) {
+        let place = to.join(&file);
+        fs::create_dir_all(place.parent().expect("a folder")).expect("a folder");
+        fs::copy(from.join(&file), place).expect("copied");
+    }
+}
+
+fn prepare(state: State, folder: &Path, old: &Path) {
+    let generated = folder.join("generated");
+    let _gone = fs::remove_dir_all(&generated);
+    match state {
+        State::Fresh => {}
+        State::Stale => copy(&old.join("generated"), &generated),
+        State::Damaged => {
+            copy(&old.join("generated"), &generated);
+            fs::write(generated.join("ring/pbrt-v4/scene.pbrt"), "damaged").expect("written");
+            fs::remove_file(generated.join("ring/luxcore/scene.cfg")).expect("removed");
+        }
+    }
+}
+
+/// Kills builds at random moments: 24 times, 1000 times with `LTSC_THOROUGH`.
+#[test]
+fn a_killed_build_leaves_the_old_or_the_new_and_the_next_one_goes_on() {
+    let rounds = if std::env::var_os("LTSC_THOROUGH").is_some() { 1000 } else { 24 };
+    let (old, new) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+    project(old.path(), true);
+    project(new.path(), false);
+    assert!(build(old.path()).status().expect("run").success());
+    let start = Instant::now();
+    assert!(build(new.path()).status().expect("run").success());
+    let whole = start.elapsed();
+    let wanted = contents(new.path());
+    let mut random = 0x2545_f491_4f6c_dd1d_u64;
+    let mut cut_short = 0;
+    for round in 0..rounds {
+        random ^= random << 13;
+        random ^= random >> 7;
+        random ^= random << 17;
+        let state = [State::Fresh, State::Stale, State::Damaged][round % 3];
+        prepare(state, new.path(), old.path());
+        let before = contents(new.path());
+        let mut child = build(new.path()).spawn().expect("started");
+        let share = (random >> 11) as f64 / (1_u64 << 53) as f64;
+        std::thread::sleep(Duration::from_secs_f64(whole.as_secs_f64() * share));
+        cut_short += usize::from(child.try_wait().expect("a state").is_none());
+        let _ended = child.kill();
+        let _status = child.wait();
+        let after = contents(new.path());
+        for scene in SCENES {
+            assert!(
+                after[scene] == before[scene] || after[scene] == wanted[scene],
+                "round {round}, {state:?}: {scene} is neither the old nor the new: {:?}",
+                after[scene].keys().collect::<Vec<_>>()
+            );
+        }
+        let ran = run(ltsc().current_dir(new.path()).args(["build", "--allow", "all"]));
+        assert_eq!(ran.code, Some(0), "round {round}, {state:?}: {}", ran.err);
+        assert!(contents(new.path()) == wanted, "round {round}, {state:?}: the next build made something else");
+        assert_eq!(others(new.path()), Vec::<String>::new(), "round {round}, {state:?}");
+    }
+    assert!(cut_short > rounds / 4, "{cut_short} of {rounds} were still running");
+}
+
+/// Kills builds at the system calls that change names: all of them, one after the other.
+#[test]
+fn a_build_that_is_killed_at_a_rename_leaves_the_old_or_the_new() {
+    let strace = Command::new("strace").arg("-V").output().is_ok_and(|out| out.status.success());
+    if !strace || std::env::var_os("LTSC_THOROUGH").is_none() {
+        return skip("kills at each rename", "`strace`, and `LTSC_THOROUGH=1`");
+    }
+    let (old, new) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
+    project(old.path(), true);
+    project(new.path(), false);
+    assert!(build(old.path()).status().expect("run").success());
+    assert!(build(new.path()).status().expect("run").success());
+    let wanted = contents(new.path());
+    for calls in ["rename,renameat,renameat2", "unlink,unlinkat,rmdir", "mkdir,mkdirat", "link,linkat"] {
+        for state in [State::Fresh, State::Stale, State::Damaged] {
+            for when in 1.. {
+                prepare(state, new.path(), old.path());
+                let before = contents(new.path());
+                let inner = build(new.path());
+                let mut command = Command::new("strace");
+                command.args(["-f", "-o", "/dev/null", "-e", &format!("inject={calls}:signal=KILL:when={when}")]);
+                command.arg(inner.get_program()).args(inner.get_args()).current_dir(new.path());
+                let ended = command.stdout(Stdio::null()).stderr(Stdio::null()).status().expect("run");
+                let after = contents(new.path());
+                for scene in SCENES {
+                    assert!(
+                        after[scene] == before[scene] || after[scene] == wanted[scene],
+                        "{calls} {when}, {state:?}: {scene}"
+                    );
+                }
+                let ran = run(ltsc().current_dir(new.path()).args(["build", "--allow", "all"]));
+                assert_eq!(ran.code, Some(0), "{calls} {when}, {state:?}: {}", ran.err);
+                assert!(contents(new.path()) == wanted && others(new.path()).is_empty(), "{calls} {when}, {state:?}");
+                if ended.success() {
+                    break;
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn eight_first_builds_at_once_all_succeed() {
+    for _ in 0..3 {
+        let folder = tempfile::tempdir().expect("a folder");
+        project(folder.path(), false);
+        let mut all: Vec<_> = (0..8).map(|_| build(folder.path()).spawn().expect("started")).collect();
+        for child in &mut all {
+            assert!(child.wait().expect("ended").success());
+        }
+        let check = run(ltsc().current_dir(folder.path()).args(["build", "--allow", "all", "--check"]));
+        assert_eq!((check.code, others(folder.path())), (Some(0), Vec::new()), "{}", check.err);
+    }
+}
+
+/// On small file systems in memory, which only root may make.
+#[test]
+fn a_full_disk_leaves_the_old_folder() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let small: PathBuf = folder.path().join("small");
+    fs::create_dir(&small).expect("a folder");
+    let mounted = |size: u32| {
+        let mut command = Command::new("mount");
+        command.args(["-t", "tmpfs", "-o", &format!("size={size}k"), "tmpfs"]).arg(&small);
+        command.stderr(Stdio::null()).status().is_ok_and(|status| status.success())
+    };
+    let unmount = || assert!(Command::new("umount").arg(&small).status().expect("umount").success());
+    if !cfg!(target_os = "linux") || !mounted(64) {
+        return skip("full disks", "the right to mount");
+    }
+    unmount();
+    let thorough = std::env::var_os("LTSC_THOROUGH").is_some();
+    let sizes: Vec<u32> =
+        if thorough { (64..=1600).step_by(16).collect() } else { vec![64, 176, 192, 512, 1024, 1600] };
+    for size in sizes {
+        assert!(mounted(size));
+        project(&small, false);
+        let ran = run(ltsc().current_dir(&small).args(["build", "--allow", "all"]));
+        let made = contents(&small);
+        let whole = |files: &Contents| files.is_empty() || files.contains_key("manifest.json");
+        let fine = made.values().all(whole) && others(&small).is_empty();
+        let code = ran.code;
+        unmount();
+        assert!(
+            fine,
+            "{size} KiB: half a folder, or something left over: {:?}",
+            made.values().map(Contents::len).collect::<Vec<_>>()
+        );
+        assert!(matches!(code, Some(0 | 4)), "{size} KiB: {code:?} {}", ran.err);
+        if code == Some(4) {
+            assert!(ran.err.contains("No space left") || ran.err.contains("space"), "{size} KiB: {}", ran.err);
+        }
+    }
+}
