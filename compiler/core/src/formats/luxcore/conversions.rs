@@ -3,6 +3,7 @@
 use super::fresnel::{self, Fit};
 use crate::capability::{Bound, Feature};
 use crate::formats::shared::bounds;
+use crate::formats::shared::filter::{self, Kernel};
 use crate::formats::shared::microfacet::Masking;
 use crate::ir::Scene;
 
@@ -27,8 +28,14 @@ pub const CONVERSIONS: &[(Feature, &str)] = &[
     (Feature::Seed, "seed + 1: LuxCore's 0 and 1 are the same"),
 ];
 
-/// Metals: the Fresnel term with the numbers that are written, Schlick's masking, and what samples of the lobe lose.
+/// Cells on each side in the table of a filter (`filterdistribution.cpp`), each with the value in its middle.
+const TABLE: u32 = 32;
+
+/// Gaussians, by a table; metals: the Fresnel term with the numbers that are written, Schlick's masking, and what samples of the lobe lose.
 pub fn bound(feature: Feature, scene: &Scene) -> Option<Bound> {
+    if feature == Feature::GaussianFilter {
+        return filter::bound(scene, 0.0, |stddev, radius| Kernel::lowered(stddev, radius).stepped(TABLE, 0.5));
+    }
     let metals = || bounds::metals(scene, feature);
     let masking = || {
         let of = |masking| bounds::of_masking(metals(), masking);
