@@ -21,6 +21,7 @@ mod page_cases;
 mod pages;
 mod pre_commit;
 mod render;
+mod scale;
 mod similar;
 mod thesis;
 mod tidy;

@@ -20,9 +20,9 @@ pub fn nearness(reach: f64) -> f64 {
 }
 
 /// The distance below which surfaces lie in one plane: what rounding to single precision makes of equal numbers, with room for a
-/// transform.
+/// transform. It grows with the coordinates and nothing else: a scene in other units has the same contacts.
 pub fn coplanarity(reach: f64) -> f64 {
-    4e-6 * (1.0 + reach)
+    4e-6 * reach
 }
 
 /// Two uses of shapes with faces close to each other, or one whose own faces are.

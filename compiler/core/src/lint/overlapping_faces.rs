@@ -2,7 +2,7 @@
 #![doc = include_str!("overlapping_faces.md")]
 
 use super::{Level, Report, Rule, Subject, also, plural, short};
-use crate::contact::{Role, coplanarity, nearness, places, role};
+use crate::contact::{Role, coplanarity, places, role};
 use crate::survey::{Placed, faces_against, whole, winding};
 
 pub(super) const RULE: Rule = Rule {
@@ -86,7 +86,7 @@ fn lit(subject: &Subject<'_>, uses: [usize; 2]) -> bool {
     let survey = subject.survey();
     places(survey, uses).into_iter().any(|(place, normal)| {
         let reach = place.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
-        let off = 2.0 * nearness(reach);
+        let off = 8.0 * coplanarity(reach);
         let before = [0, 1, 2].map(|axis| place[axis] + off * normal[axis]);
         let hides = |placed: &&Placed<'_>| {
             placed.bounds.contains(before)
