@@ -45,6 +45,7 @@ mod unknown_similar;
 mod unlit_scene;
 mod unreachable_paths;
 mod unused_name;
+mod wide_roughness;
 
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -252,6 +253,7 @@ pub static RULES: &[Rule] = &[
     unlit_scene::RULE,
     unreachable_paths::RULE,
     unused_name::RULE,
+    wide_roughness::RULE,
 ];
 
 /// Levels that differ from the built-in ones.

@@ -108,6 +108,36 @@ pub fn of_masking<'s>(metals: impl Iterator<Item = Metal<'s>>, masking: Masking)
     worst
 }
 
+/// What was measured of rough glass at a width: the largest share by which rings of a ball under even light differ from Mitsuba 3.
+pub type Glass = (f64, f64);
+
+/// How far off rough glass is where that was `measured` at some widths, from narrow to wide; between two of them by a straight line.
+pub fn of_glass(scene: &Scene, measured: &[Glass]) -> Option<Bound> {
+    let at = |alpha: f64| {
+        let above = measured.partition_point(|(width, _)| *width < alpha);
+        match (above.checked_sub(1).and_then(|below| measured.get(below)), measured.get(above)) {
+            (Some((low, a)), Some((high, b))) => a + (b - a) * (alpha - low) / (high - low),
+            (None, Some((_, size))) | (Some((_, size)), None) => *size,
+            (None, None) => 0.0,
+        }
+    };
+    let rough = scene.materials.values().filter_map(|Material { name, bsdf }| match bsdf {
+        Bsdf::Dielectric { interior: _, exterior: _, alpha } if *alpha > 0.0 => Some((name, *alpha)),
+        Bsdf::Dielectric { interior: _, exterior: _, alpha: _ }
+        | Bsdf::Diffuse { reflectance: _ }
+        | Bsdf::Conductor { eta: _, k: _, alpha: _ }
+        | Bsdf::Mirror { reflectance: _ }
+        | Bsdf::Plastic { reflectance: _, ior: _, alpha: _ }
+        | Bsdf::Principled { base: _, metallic: _, roughness: _, ior: _ } => None,
+    });
+    let (name, alpha) = rough.max_by(|a, b| at(a.1).total_cmp(&at(b.1)))?;
+    let what = format!(
+        "of the light from a ball of `{name}` of `alpha` {alpha} and index 1.5 under even light, against Mitsuba 3, by what was measured up to \
+         0.95 of its radius"
+    );
+    Some(Bound { size: at(alpha), what })
+}
+
 /// How far off the targets are whose masking and shadowing are correlated by height.
 pub fn of_correlation(feature: Feature, scene: &Scene) -> Option<Bound> {
     let wide = (feature == Feature::WideConductor).then(|| metals(scene, feature));
@@ -139,6 +169,23 @@ mod tests {
         })
         .expect("a metal");
         assert!((0.02..0.2).contains(&schlick.size) && schlick.what.contains("`gold`"), "{schlick:?}");
+    }
+
+    #[test]
+    fn glass_is_as_far_off_as_was_measured() {
+        let measured = [(0.1, 0.02), (0.5, 0.1), (1.0, 0.6)];
+        let of = |alpha: f64| {
+            let mut scene = sample::empty("s");
+            for (at, alpha) in [0.0, alpha].into_iter().enumerate() {
+                let name = format!("glass {at}");
+                sample::material(&mut scene, &name, Bsdf::Dielectric { interior: 1.5, exterior: 1.0, alpha });
+            }
+            of_glass(&scene, &measured)
+        };
+        let close = |alpha: f64, size: f64| (of(alpha).expect("rough glass").size - size).abs() < 1e-12;
+        assert!(close(0.01, 0.02) && close(0.1, 0.02) && close(0.3, 0.06) && close(0.75, 0.35) && close(1.0, 0.6));
+        assert_eq!(of(0.0), None);
+        assert!(of(0.3).expect("rough glass").what.contains("`glass 1` of `alpha` 0.3"));
     }
 
     #[test]
