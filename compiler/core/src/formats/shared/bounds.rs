@@ -5,10 +5,10 @@ use super::microfacet::{Masking, albedo};
 use crate::capability::{Bound, Feature, SHARP_ALPHA, WIDE_ALPHA};
 use crate::ir::{Bsdf, Material, Scene};
 
-/// The last angle of incidence that is looked at, in degrees: beyond it all terms go to 1.
-const GRAZING: u32 = 85;
+/// Angles of incidence that are looked at: so many to a degree, from 0 to 90.
+const TO_A_DEGREE: u32 = 4;
 
-/// Directions for which masking is compared, as cosines of their angles to the normal; nearer to the horizon little is seen.
+/// Directions for which masking is compared, as cosines of their angles to the normal. What is stated says where they end.
 const SEEN: [f64; 5] = [1.0, 0.8, 0.6, 0.4, 0.2];
 
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
@@ -57,7 +57,7 @@ pub fn both(a: Option<Bound>, b: Option<Bound>) -> Option<Bound> {
     }
 }
 
-/// The largest share by which a Fresnel term differs from the exact one, over metals, channels and angles up to 85 degrees.
+/// The largest share by which a Fresnel term differs from the exact one, over metals, channels and angles.
 /// `term` takes `eta` and `k` and gives what the target computes for a cosine.
 pub fn of_fresnel<'s, F: Fn(f64) -> f64>(
     metals: impl Iterator<Item = Metal<'s>>,
@@ -67,8 +67,9 @@ pub fn of_fresnel<'s, F: Fn(f64) -> f64>(
     for (name, eta, k, _) in metals {
         for (channel, word) in CHANNELS.iter().enumerate() {
             let of = term(eta[channel], k[channel]);
-            for degrees in 0..=GRAZING {
-                let cosine = libm::cos(f64::from(degrees).to_radians());
+            for at in 0..=90 * TO_A_DEGREE {
+                let degrees = f64::from(at) / f64::from(TO_A_DEGREE);
+                let cosine = libm::cos(degrees.to_radians()).max(0.0);
                 let exact = fresnel::conductor(eta[channel], k[channel], cosine);
                 let size = (of(cosine) - exact).abs() / exact;
                 if worst.as_ref().is_none_or(|Bound { size: known, what: _ }| size > *known) {
@@ -97,9 +98,10 @@ pub fn of_masking<'s>(metals: impl Iterator<Item = Metal<'s>>, masking: Masking)
             let change = albedo(alpha, cosine, masking) / albedo(alpha, cosine, Masking::Smith) - 1.0;
             if worst.as_ref().is_none_or(|Bound { size, what: _ }| change.abs() > *size) {
                 let degrees = libm::acos(cosine).to_degrees();
+                let most = libm::acos(SEEN[SEEN.len() - 1]).to_degrees();
                 let way = if change < 0.0 { "too dark" } else { "too bright" };
                 let what = format!(
-                    "of the light that `{name}` of `alpha` {alpha} reflects once, {way}, seen at {degrees:.0} degrees"
+                    "of the light that `{name}` of `alpha` {alpha} reflects once, {way}, seen at {degrees:.0} degrees (flatter than {most:.0} is not looked at)"
                 );
                 worst = Some(Bound { size: change.abs(), what });
             }
