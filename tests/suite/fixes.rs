@@ -77,8 +77,8 @@ fn programs_get_the_fixes_without_their_being_made() {
 fn programs_get_what_was_fixed() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
-    let rough = "shape b = box(size: 1) with conductor(eta: 3.2, k: 3.3, alpha: 0.001)\n";
-    project(folder, &[("bulb", &format!("{SMOOTH}{rough}")), ("nothing", "")]);
+    let turned = "shape b = box(size: 1) |> flip() |> translate(z: 2) with diffuse(0.5)\n";
+    project(folder, &[("bulb", &format!("{SMOOTH}{turned}")), ("nothing", "")]);
     let json = |args: &[&str]| -> serde_json::Value {
         serde_json::from_str(&lint(folder, &[&["--format", "json"], args].concat()).out).expect("JSON")
     };
@@ -127,13 +127,13 @@ fn a_fix_that_would_lead_to_an_error_is_left_out() {
     let folder = tempfile::tempdir().expect("a folder");
     let folder = folder.path();
     let own = "mesh faceted(m: mesh, size: number) = m\n";
-    let rough = "shape b = box(size: 1) with conductor(eta: 3.2, k: 3.3, alpha: 0.001)\n";
-    project(folder, &[("bulb", &format!("{own}{SMOOTH}{rough}"))]);
+    let turned = "shape b = box(size: 1) |> flip() |> translate(z: 2) with diffuse(0.5)\n";
+    project(folder, &[("bulb", &format!("{own}{SMOOTH}{turned}"))]);
     let fixed = lint(folder, &["--fix", "--format", "short"]);
     assert!(fixed.code == Some(1) && fixed.out.contains("smooth-emitter"), "{}{}", fixed.out, fixed.err);
     assert!(fixed.err.contains("1 finding fixed in 1 file; 1 finding not fixed"), "{}", fixed.err);
     let text = scene(folder, "bulb");
-    assert!(text.contains(SMOOTH) && text.contains("alpha: 0.01)"), "{text}");
+    assert!(text.contains(SMOOTH) && text.contains("|> translate(z: 2) |> flip()"), "{text}");
 }
 
 #[test]

@@ -23,6 +23,7 @@ mod pages;
 mod pre_commit;
 mod render;
 mod seeds;
+mod scale;
 mod similar;
 mod thesis;
 mod tidy;

@@ -164,8 +164,19 @@ struct Shown {
 
 impl Shown {
     fn new(finding: &Finding, sources: &Sources) -> Self {
-        let Finding { id, severity, message, origin, label, labels, notes: _, help: _, suppression: _, fix: _ } =
-            finding;
+        let Finding {
+            id,
+            severity,
+            message,
+            origin,
+            label,
+            labels,
+            notes: _,
+            help: _,
+            suppression: _,
+            fixable: _,
+            fix: _,
+        } = finding;
         let mut shown = Self {
             id,
             severity: *severity,

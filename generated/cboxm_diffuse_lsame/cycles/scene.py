@@ -7,7 +7,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from ltsc_blender import *
 
 scene("cboxm_diffuse_lsame")
-film(512, 512, box=0.5)
+film(512, 512)
 path(max_depth=10)
 sampler(samples=32, seed=0)
 camera((50, -90, 35), x=(1, 0, 0), y=(0, 0, 1), z=(0, -1, 0), fov_x=20, near=0.001, far=1000000)

@@ -69,19 +69,19 @@ def scene(name):
     environment((0, 0, 0))
 
 
-def film(width, height, box=None, gaussian=None):
-    """Size in pixels; a box filter of a radius, or a Gaussian of a standard deviation, in pixels."""
+def film(width, height, gaussian=None):
+    """Size in pixels; a pixel is the mean over itself, or a Gaussian as wide as Blender's number says: four standard deviations."""
     it = bpy.context.scene
     it.render.resolution_x = width
     it.render.resolution_y = height
     it.render.pixel_aspect_x = it.render.pixel_aspect_y = 1
     if gaussian is None:
         it.cycles.pixel_filter_type = "BOX"
-        it.cycles.filter_width = 2 * box
+        # Cycles' box is a pixel wide, whatever this is.
+        it.cycles.filter_width = 1
     else:
-        # Cycles' Gaussian is exp(-2 (6 x / width)^2), cut at width / 2 (film.cpp): six standard deviations.
         it.cycles.pixel_filter_type = "GAUSSIAN"
-        it.cycles.filter_width = 12 * gaussian
+        it.cycles.filter_width = gaussian
 
 
 def path(max_depth):

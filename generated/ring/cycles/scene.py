@@ -7,7 +7,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from ltsc_blender import *
 
 scene("ring")
-film(512, 512, box=0.5)
+film(512, 512)
 path(max_depth=10)
 sampler(samples=32, seed=0)
 camera((10, -15, 25), x=(0.8320502943378437, 0.5547001962252291, 0), y=(-0.4499212706658476, 0.6748819059987714, 0.5848976518656018), z=(0.3244428422615251, -0.4866642633922876, 0.8111071056538127), fov_x=45, near=0.001, far=1000000)

@@ -7,7 +7,7 @@ sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from ltsc_blender import *
 
 scene("surfaces")
-film(512, 384, box=0.5)
+film(512, 384)
 path(max_depth=8)
 sampler(samples=64, seed=0)
 camera((0, -11, 4.5), x=(1, 0, 0), y=(0, 0.303203657276947, 0.952925780013262), z=(0, -0.952925780013262, 0.303203657276947), fov_x=35, near=0.001, far=1000000)

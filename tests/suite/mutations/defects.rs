@@ -223,6 +223,12 @@ pub const DEFECTS: &[Defect] = &[
         },
     },
     beside!(
+        "glass of alpha 0.8",
+        ["wide-roughness"],
+        [],
+        "shape block = box(size: 2) |> translate@ with dielectric(ior: 1.5, alpha: 0.8)"
+    ),
+    beside!(
         "reflectance 1.2",
         ["reflectance-over-one"],
         [],

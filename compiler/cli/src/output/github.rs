@@ -11,7 +11,7 @@ use super::{Failure, Located};
 
 /// One finding.
 pub fn line(located: &Located<'_>) -> String {
-    let Finding { id, severity, message, origin, label, labels: _, notes, help, suppression: _, fix: _ } =
+    let Finding { id, severity, message, origin, label, labels: _, notes, help, suppression: _, fixable: _, fix: _ } =
         &located.finding;
     let word = match severity {
         Severity::Error | Severity::Deny => "error",

@@ -83,7 +83,8 @@ impl Located<'_> {
 
     /// The stable JSON form.
     pub fn json(&self) -> Value {
-        let Finding { id, severity, message, origin: _, label, labels, notes, help, suppression, fix } = &self.finding;
+        let Finding { id, severity, message, origin: _, label, labels, notes, help, suppression, fixable: _, fix } =
+            &self.finding;
         let place = self.place_json();
         let labels: Vec<Value> =
             labels.iter().map(|label| json!({ "place": self.span_json(label.span), "text": label.text })).collect();

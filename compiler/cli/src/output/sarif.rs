@@ -95,7 +95,8 @@ fn descriptor(id: &str, summary: &str, page: &str) -> Value {
 }
 
 fn result(located: &Located<'_>, rules: &Rules) -> Value {
-    let Finding { id, severity, message, origin, label, labels, notes, help, suppression, fix } = &located.finding;
+    let Finding { id, severity, message, origin, label, labels, notes, help, suppression, fixable: _, fix } =
+        &located.finding;
     let mut value = Map::new();
     value.insert("ruleId".to_owned(), json!(id));
     if let Some(index) = rules.index.get(id) {

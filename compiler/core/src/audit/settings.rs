@@ -7,7 +7,7 @@ use crate::formats::Target;
 use crate::formats::shared::camera;
 use crate::formats::shared::reading::{Light, Reading, Rgb, View};
 use crate::ir::{
-    Axes, Camera, ColorOrTexture, Film, Integrator, LightKind, LightSource, Vec3, length, normalized, sub,
+    Axes, Camera, ColorOrTexture, Film, Filter, Integrator, LightKind, LightSource, Vec3, length, normalized, sub,
 };
 
 /// How far an angle in degrees may be off that formats round or nudge: a sharp edge of glTF is a millionth wide.
@@ -23,12 +23,41 @@ pub(super) fn compare(asked: &Asked<'_>, target: &Target, reading: &Reading, fou
         Some([w, h]) => found.differs(format!("the image has {w} x {h} pixels instead of {width} x {height}")),
         None => found.differs("the files give no size of the image"),
     }
+    filter(asked, target, reading, found);
     depth(asked, target, reading, found);
     match &reading.view {
         Some(view) => view_differs(asked, view, found),
         None => found.differs("the files give no camera"),
     }
     lights(asked, target, &reading.lights, found);
+}
+
+fn filter(asked: &Asked<'_>, target: &Target, reading: &Reading, found: &mut Found) {
+    let wanted = &asked.scene.film.filter;
+    let (kind, cut) = match wanted {
+        Filter::Box { radius } if *radius == 0.5 => (Feature::PixelFilter, false),
+        Filter::Box { radius: _ } => (Feature::BoxFilter, false),
+        // Where a target cuts its own, the ledger says so.
+        Filter::Gaussian { stddev: _, radius: _ } => {
+            (Feature::GaussianFilter, inexact(&(target.supports)(Feature::CutGaussianFilter)))
+        }
+    };
+    // The pixel stands for what a target does not have.
+    if unsupported(&(target.supports)(kind)) {
+        return;
+    }
+    let near = |said: f64, wanted: f64| !off(said, wanted, TEXT * wanted);
+    let same = match (wanted, &reading.filter) {
+        (Filter::Box { radius }, Some(Filter::Box { radius: said })) => near(*said, *radius),
+        (Filter::Gaussian { stddev, radius }, Some(Filter::Gaussian { stddev: deviation, radius: at })) => {
+            near(*deviation, *stddev) && (cut || near(*at, *radius))
+        }
+        _ => false,
+    };
+    if !same {
+        let shown = reading.filter.as_ref().map_or_else(|| "none".to_owned(), |filter| format!("{filter:?}"));
+        found.differs(format!("the filter is {shown} instead of {wanted:?}"));
+    }
 }
 
 fn depth(asked: &Asked<'_>, target: &Target, reading: &Reading, found: &mut Found) {

@@ -136,6 +136,51 @@ fn every_shape_of_image_and_algorithm_is_read_back() {
 }
 
 #[test]
+fn filters_are_read_back() {
+    for filter in [
+        Filter::Box { radius: 0.5 },
+        Filter::Box { radius: 1.5 },
+        Filter::Gaussian { stddev: 0.5, radius: 2.0 },
+        Filter::Gaussian { stddev: 1.0, radius: 2.0 },
+        Filter::Gaussian { stddev: 3.0, radius: 12.0 },
+    ] {
+        let mut scene = sample::room();
+        scene.film.filter = filter;
+        clean(scene);
+    }
+}
+
+/// Whatever writes them, a wrong number of a filter is found without a renderer.
+#[test]
+fn a_filter_of_another_width_is_named() {
+    let mut scene = sample::room();
+    scene.film.filter = Filter::Gaussian { stddev: 0.5, radius: 2.0 };
+    let scene = validate(scene).expect("a valid scene");
+    let faults = [
+        fault("mitsuba-3", "settings.xml", "stddev\" value=\"0.5\"", "stddev\" value=\"1\""),
+        fault("mitsuba-0.6", "settings.xml", "stddev\" value=\"0.5\"", "stddev\" value=\"1\""),
+        fault("mitsuba-0.5", "settings.xml", "stddev\" value=\"0.5\"", "stddev\" value=\"1\""),
+        fault("pbrt-v4", "settings.pbrt", "sigma\" [0.5]", "sigma\" [1]"),
+        fault("pbrt-v4", "settings.pbrt", "yradius\" [2]", "yradius\" [1]"),
+        fault("pbrt-v3", "settings.pbrt", "alpha\" [2]", "alpha\" [4]"),
+        fault("pbrt-v3", "settings.pbrt", "ywidth\" [2]", "ywidth\" [1]"),
+        fault("luxcore", "scene.cfg", "gaussian.alpha = 2", "gaussian.alpha = 4"),
+        fault("luxcore", "scene.cfg", "filter.width = 2", "filter.width = 4"),
+        fault("luxcore", "scene.cfg", "GAUSSIAN", "BOX"),
+        fault("cycles", "scene.py", "gaussian=2", "gaussian=6"),
+    ];
+    for Fault { target, file, from, to } in faults {
+        let target = formats::find(target).expect("a target");
+        let mut files = written(&scene, target);
+        let path = format!("{}/{file}", target.name);
+        let other = replaced(&files[&path], from, to);
+        files.insert(path, other);
+        let all = said(&audited(&scene, target, &files));
+        assert!(all.iter().any(|line| line.contains("filter")), "{} {to}: {all:?}", target.name);
+    }
+}
+
+#[test]
 fn textures_are_read_back_where_they_can_be_and_a_grey_stands_for_them_elsewhere() {
     use crate::ir::ColorOrTexture;
     let formats = [

@@ -9,7 +9,7 @@ mod tree;
 
 pub use overlap::Overlap;
 
-use crate::ir::Bsdf;
+use crate::ir::{Bsdf, Vec3};
 use crate::survey::{Placed, Survey};
 
 /// The distance below which renderers mistake one surface for another: 2e-4 (1 + largest coordinate), `reach` being that
@@ -20,9 +20,9 @@ pub fn nearness(reach: f64) -> f64 {
 }
 
 /// The distance below which surfaces lie in one plane: what rounding to single precision makes of equal numbers, with room for a
-/// transform.
+/// transform. It grows with the coordinates and nothing else: a scene in other units has the same contacts.
 pub fn coplanarity(reach: f64) -> f64 {
-    4e-6 * (1.0 + reach)
+    4e-6 * reach
 }
 
 /// Two uses of shapes with faces close to each other, or one whose own faces are.
@@ -49,13 +49,33 @@ pub struct Contacts {
 
 impl Contacts {
     /// Finds the contacts that can matter: of a dielectric or an emitter with anything within [`nearness`], and of others within
-    /// [`coplanarity`] where their materials are two. A dielectric is also held against itself, for walls that are too thin.
+    /// [`coplanarity`]; where those have one material, of meshes up to 4096 triangles. A dielectric is also held against itself, for
+    /// walls that are too thin.
     ///
     /// Time is near-linear in the number of uses and triangles where few boxes of uses overlap; a pair of meshes at the same
     /// places relative to each other is looked at once.
     pub fn of(survey: &Survey<'_>) -> Self {
         search::Search::of(survey).run()
     }
+}
+
+/// A place where faces of two uses look the same way and lie over each other: its middle, and the direction in which both look.
+pub type Place = (Vec3, Vec3);
+
+/// The places where two uses lie in one plane and look the same way, the first of them where there are very many.
+pub fn places(survey: &Survey<'_>, uses: [usize; 2]) -> Vec<Place> {
+    const TRIED: usize = 1 << 24;
+    const FOUND: usize = 1 << 12;
+    let [one, other] = uses.map(|at| &survey.placed[at]);
+    let near = coplanarity(one.bounds.reach().min(other.bounds.reach()));
+    let Some(common) = one.bounds.grown(near).common(other.bounds.grown(near)) else { return Vec::new() };
+    let [first, second] = [one, other].map(|placed| {
+        let triangles = survey.triangles(placed).filter_map(overlap::Triangle::of);
+        triangles.filter(|triangle| triangle.bounds.grown(near).touches(common)).collect::<Vec<_>>()
+    });
+    let within = overlap::Distances { near, coplanar: near };
+    let pairs = first.iter().flat_map(|one| second.iter().map(move |other| (one, other)));
+    pairs.take(TRIED).filter_map(|(one, other)| overlap::place(one, other, within)).take(FOUND).collect()
 }
 
 /// What a surface is to a contact.

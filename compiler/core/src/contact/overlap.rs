@@ -64,6 +64,15 @@ pub(super) struct Distances {
 /// What of `other` lies over `one`, measured on the plane of `one`; with whether both look the same way. None where planes cross
 /// or nothing does.
 pub(super) fn overlap(one: &Triangle, other: &Triangle, within: Distances) -> Option<(bool, Overlap)> {
+    common(one, other, within).map(|(same, found, _)| (same, found))
+}
+
+/// The middle of what of two triangles lies in one plane and looks the same way, with the direction.
+pub(super) fn place(one: &Triangle, other: &Triangle, within: Distances) -> Option<(Vec3, Vec3)> {
+    common(one, other, within).and_then(|(same, _, middle)| same.then_some((middle, one.normal)))
+}
+
+fn common(one: &Triangle, other: &Triangle, within: Distances) -> Option<(bool, Overlap, Vec3)> {
     if !one.bounds.grown(within.near).touches(other.bounds) {
         return None;
     }
@@ -98,12 +107,17 @@ pub(super) fn overlap(one: &Triangle, other: &Triangle, within: Distances) -> Op
         return None;
     }
     let gap = polygon.gap();
+    let middle = polygon.middle();
     let mut found = Overlap { near, coplanar: 0.0, gap };
     if gap <= within.coplanar {
         polygon.keep_within(within.coplanar);
         found.coplanar = polygon.area() / normal[drop];
     }
-    Some((cosine > 0.0, found))
+    // From the flattened middle up to the plane of `one`.
+    let mut at = start;
+    (at[u], at[v]) = (start[u] + middle[0], start[v] + middle[1]);
+    at[drop] -= (one.normal[u] * middle[0] + one.normal[v] * middle[1]) / one.normal[drop];
+    Some((cosine > 0.0, found, at))
 }
 
 /// A convex polygon of few corners: a triangle that was cut seven times at most.
@@ -158,6 +172,12 @@ impl Polygon {
             a[0] * b[1] - a[1] * b[0]
         });
         0.5 * fan.sum::<f64>().abs()
+    }
+
+    /// A point within: the mean of the corners.
+    fn middle(&self) -> Vec3 {
+        let sum = self.corners().iter().fold([0.0; 3], |sum, corner| [0, 1, 2].map(|axis| sum[axis] + corner[axis]));
+        sum.map(|x| x / self.count.max(1) as f64)
     }
 
     /// The smallest height.

@@ -28,6 +28,10 @@ const FEW: usize = 16;
 /// out are pairs of large meshes.
 const HEAVY: usize = 4096;
 
+/// Pairs of opaque uses of one material, which matter to one renderer only, come last and get this part of the work; of meshes that are
+/// large as above they are not looked at.
+const ALIKE: u64 = 4;
+
 /// Triangles of one mesh that are looked for in the tree of another together: neighbours in a mesh mostly lie side by side.
 const GROUP: usize = 8;
 
@@ -125,24 +129,26 @@ impl<'s> Search<'s> {
         // What two uses have in common reaches no farther than either, so that each box may be grown by its own distance.
         let grown: Vec<Bounds> =
             placed.iter().zip(&self.reaches).map(|(placed, reach)| placed.bounds.grown(nearness(*reach))).collect();
-        // Opaque uses of one material do not matter to each other: equal numbers.
+        // Opaque uses of one material matter little to each other, and wait: equal numbers.
         let classes: Vec<Option<usize>> = placed
             .iter()
             .zip(&self.roles)
             .map(|(placed, role)| (*role == Role::Opaque).then(|| placed.shape.material.index()))
             .collect();
-        let mut pairs: Vec<[u32; 2]> = Vec::new();
+        let (mut pairs, mut alike): (Vec<[u32; 2]>, Vec<[u32; 2]>) = (Vec::new(), Vec::new());
         let own = (0..placed.len()).filter(|at| self.roles[*at] == Role::Dielectric);
         pairs.extend(own.map(|at| [at as u32; 2]));
         let tree = Tree::of(placed.len(), |at| grown[at]);
         self.looked += tree.each_pair(
             |at| grown[at],
             |one, other| {
-                if classes[one].is_some() && classes[one] == classes[other] {
+                let same = classes[one].is_some() && classes[one] == classes[other];
+                if same && (large[one] || large[other]) {
                     return;
                 }
-                if pairs.len() < PAIRS {
-                    pairs.push([one as u32, other as u32]);
+                let into = if same { &mut alike } else { &mut pairs };
+                if into.len() < PAIRS {
+                    into.push([one as u32, other as u32]);
                 } else {
                     contacts.left_out += 1;
                 }
@@ -163,22 +169,15 @@ impl<'s> Search<'s> {
         for (uses, region) in heavy {
             self.contact(uses, region, &mut contacts);
         }
+        alike.sort_unstable();
+        self.budget = self.budget.min(self.looked.saturating_add(self.budget / ALIKE));
+        for uses in alike.into_iter().map(|uses| uses.map(|at| at as usize)) {
+            if let Some(region) = self.region(uses[0], uses[1]) {
+                self.contact(uses, region, &mut contacts);
+            }
+        }
         contacts.found.sort_unstable_by_key(|contact| contact.uses);
         contacts
-    }
-
-    /// Whether a contact matters: of opaque surfaces only one of two materials does.
-    fn matters(&self, one: usize, other: usize) -> bool {
-        let material = |at: usize| self.survey.placed[at].shape.material;
-        material(one) != material(other) || self.roles[one] != Role::Opaque || self.roles[other] != Role::Opaque
-    }
-
-    /// Whether two uses have materials that scatter alike.
-    fn alike(&self, uses: [usize; 2]) -> bool {
-        let materials = &self.survey.scene.materials;
-        let [a, b] = uses.map(|at| self.survey.placed[at].shape.material);
-        let known = |at: usize| at < materials.len();
-        known(a.index()) && known(b.index()) && materials[a].bsdf == materials[b].bsdf
     }
 
     fn distances(&self, [one, other]: [usize; 2]) -> Distances {
@@ -189,11 +188,8 @@ impl<'s> Search<'s> {
         Distances { near: if opaque { coplanar } else { nearness(reach) }, coplanar }
     }
 
-    /// Where both may be close; none where that is nowhere or along a line, or does not matter.
+    /// Where both may be close; none where that is nowhere or along a line.
     fn region(&self, one: usize, other: usize) -> Option<Bounds> {
-        if !self.matters(one, other) {
-            return None;
-        }
         let [a, b] = [one, other].map(|at| self.survey.placed[at].bounds);
         let Distances { near, coplanar: _ } = self.distances([one, other]);
         let region = a.grown(near).common(b.grown(near))?;
@@ -207,9 +203,6 @@ impl<'s> Search<'s> {
             return;
         }
         let within = self.distances(uses);
-        if uses.iter().all(|at| self.roles[*at] == Role::Opaque) && self.alike(uses) {
-            return;
-        }
         let pose = self.pose(uses, within);
         let known = pose.and_then(|pose| self.known.get(&pose)).copied();
         let found = known.unwrap_or_else(|| {

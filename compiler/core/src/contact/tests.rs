@@ -60,13 +60,28 @@ fn lines_are_no_contacts() {
 }
 
 #[test]
-fn one_material_may_overlap_itself_and_a_lamp_may_not() {
+fn surfaces_of_one_material_are_contacts_too() {
     let pair = "material white = diffuse(0.5)
         shape one = box(x: 1..2, y: 1..2, z: 1..2) with white
         shape other = box(x: 1.5..2.5, y: 1..2, z: 1..2) with white
         shape third = box(x: -2..-1, y: 1..2, z: 1..2) with white
         emitter lamp = rectangle(x: -1.75..-1.25, y: 1.25..1.75, z: 2.0001, normal: Z) with radiance(1)";
-    assert_eq!(contacts(pair), [("third lamp".to_owned(), [[0.25, 0.0], NONE])]);
+    // Top, bottom, front and back of half a box each; its two ends lie apart.
+    assert_eq!(
+        contacts(pair),
+        [("one other".to_owned(), [[2.0, 2.0], NONE]), ("third lamp".to_owned(), [[0.25, 0.0], NONE])]
+    );
+    let scene = scene(pair);
+    let survey = Survey::of(&scene);
+    let found = places(&survey, [1, 2]);
+    assert!(
+        found.iter().all(|(place, normal)| {
+            let [x, y, z] = *place;
+            let on = |at: f64, axis: usize| (at - 1.5).abs() == 0.5 && normal[axis] == 2.0 * (at - 1.5);
+            (1.5..=2.0).contains(&x) && (on(y, 1) || on(z, 2))
+        }),
+        "{found:?}"
+    );
 }
 
 #[test]
@@ -136,10 +151,6 @@ fn by_force(survey: &Survey<'_>) -> Vec<([usize; 2], [f64; 2])> {
         for other in one + 1..triangles.len() {
             let [a, b] = [one, other].map(|at| &survey.placed[at]);
             let opaque = [a, b].iter().all(|placed| role(survey, placed) == Role::Opaque);
-            let [first, second] = [a, b].map(|placed| &survey.scene.materials[placed.shape.material].bsdf);
-            if opaque && first == second {
-                continue;
-            }
             // Far between the gaps that occur, and those that do not.
             let within = if opaque {
                 Distances { near: 1e-4, coplanar: 1e-4 }

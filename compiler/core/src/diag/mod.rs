@@ -116,6 +116,8 @@ pub struct Finding {
     pub help: Option<String>,
     /// Why the scene wants it, where its severity is [`Severity::Allow`] by an `allow` of the scene.
     pub suppression: Option<Suppression>,
+    /// Whether it proves what is to be changed, so that it may have a fix.
+    pub fixable: bool,
     /// What to change, where there is one right answer.
     pub fix: Option<Fix>,
 }
@@ -160,6 +162,7 @@ impl Finding {
             notes: Vec::new(),
             help: None,
             suppression: None,
+            fixable: true,
             fix: None,
         }
     }

@@ -5,9 +5,6 @@ use crate::syntax::{self, Binary, Expr, ExprKind, Kind, Name, Statement, Stateme
 
 use super::{Place, tree};
 
-/// The smallest width of the rule `rough-too-small`.
-const LEAST_ALPHA: &str = "0.01";
-
 fn fix(title: impl Into<String>, edits: Vec<Edit>) -> Option<Fix> {
     Some(Fix { title: title.into(), edits })
 }
@@ -16,22 +13,14 @@ fn edit(span: Span, text: impl Into<String>) -> Edit {
     Edit { span, text: text.into() }
 }
 
-/// `|> faceted()` behind the mesh of an emitter: smooth normals of one are refused by every profile.
+/// `|> faceted()` behind the mesh of an emitter. It scatters nothing (the finding is not fixable otherwise), so that its normals do
+/// nothing but choose a side.
 pub fn facet_emitter(place: &Place<'_>) -> Option<Fix> {
     let statement = tree::statement(place.tree(), place.span, |statement| is(statement, &[Kind::Emitter]))?;
     stage_behind(place, statement, "faceted", "the emitter's mesh")
 }
 
-/// `|> faceted()` behind a mesh that has no normals: flat triangles are what its file describes, and all that it does. Who wants a
-/// smooth surface through them says `smooth`.
-pub fn facet_mesh(place: &Place<'_>) -> Option<Fix> {
-    let kinds = [Kind::Emitter, Kind::Shape, Kind::Mesh];
-    let statement = tree::statement(place.tree(), place.span, |statement| is(statement, &kinds))?;
-    let whose = if is(statement, &[Kind::Emitter]) { "the emitter's mesh" } else { "the mesh" };
-    stage_behind(place, statement, "faceted", whose)
-}
-
-/// `|> flip()` behind a closed mesh that looks inwards. Not where the statement is carried out for other meshes, too: in a loop or
+/// `|> flip()` behind a closed mesh that looks inwards: both sides scatter alike, and a lamp is not fixable. Not where the statement is carried out for other meshes, too: in a loop or
 /// a function.
 pub fn flip_mesh(place: &Place<'_>) -> Option<Fix> {
     let kinds = [Kind::Emitter, Kind::Shape];
@@ -46,7 +35,7 @@ pub fn flip_mesh(place: &Place<'_>) -> Option<Fix> {
     stage_behind(place, statement, "flip", "the mesh")
 }
 
-/// `|> flip()` behind the mesh of an emitter that shines away from everything. Not in a loop or a group, where the same statement
+/// `|> flip()` behind the mesh of an emitter that has everything behind it: as it is, it lights nothing. Not in a loop or a group, where the same statement
 /// makes emitters at other places.
 pub fn turn_emitter(place: &Place<'_>) -> Option<Fix> {
     let statement = tree::statement(place.tree(), place.span, |_| true)?;
@@ -164,17 +153,6 @@ fn plain(expr: &Expr) -> Option<f64> {
         return plain(of).map(|value| -value);
     }
     if let ExprKind::Number(value) | ExprKind::Unit(value, _) = &expr.kind { Some(*value) } else { None }
-}
-
-/// The smallest width that renderers agree on.
-pub fn clamp_alpha(place: &Place<'_>) -> Option<Fix> {
-    let ExprKind::Call(call) = &tree::expr(place.tree(), place.span)?.kind else { return None };
-    let alpha = call.args.iter().find(|arg| arg.label.as_ref().is_some_and(|label| label.text == "alpha"))?;
-    let ExprKind::Number(value) = alpha.value.kind else { return None };
-    if value <= 0.0 {
-        return None;
-    }
-    fix(format!("write `alpha: {LEAST_ALPHA}`"), vec![edit(alpha.value.span, LEAST_ALPHA)])
 }
 
 /// A suppression of nothing, with its line. One that stands before nothing may belong elsewhere, and stays.

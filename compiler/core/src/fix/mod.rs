@@ -1,7 +1,8 @@
 //! Fixes: what to write where a finding has one right answer, as edits of the text.
 //!
 //! [`propose`] gives findings their fixes, one function of `makers` for each code; [`apply`] writes those that do not get in each
-//! other's way. A fix changes nothing but its own place: the rest of the file stays as it is to the byte.
+//! other's way. A fix changes nothing but its own place: the rest of the file stays as it is to the byte. It changes what a scene means only
+//! where the finding proves that the scene does not mean what it says; else the finding says that it is not fixable.
 
 mod makers;
 mod tree;
@@ -46,10 +47,8 @@ const MAKERS: &[(&str, Maker)] = &[
     ("emitter-facing-away", makers::turn_emitter),
     ("inside-out-mesh", makers::flip_mesh),
     ("misplaced-mesh", makers::center_mesh),
-    ("missing-normals", makers::facet_mesh),
     ("missing-version", makers::add_version),
     ("reversed-range", makers::swap_interval),
-    ("rough-too-small", makers::clamp_alpha),
     ("smooth-emitter", makers::facet_emitter),
     ("unused-allow", makers::remove_allow),
     ("unused-name", makers::remove_used_name),
@@ -63,7 +62,7 @@ pub fn codes() -> impl Iterator<Item = &'static str> {
 /// Gives findings in texts their fixes.
 pub fn propose(findings: &mut [Finding], sources: &Sources) {
     let mut trees: BTreeMap<FileId, OnceCell<Tree>> = BTreeMap::new();
-    for finding in findings.iter_mut().filter(|finding| finding.severity > Severity::Allow) {
+    for finding in findings.iter_mut().filter(|finding| finding.fixable && finding.severity > Severity::Allow) {
         let Some((_, maker)) = MAKERS.iter().find(|(id, _)| *id == finding.id) else { continue };
         let Some(span) = finding.origin.span() else { continue };
         let text: &str = &sources.get(span.file).text;

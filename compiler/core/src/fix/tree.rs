@@ -38,17 +38,6 @@ fn each_expr<'t>(tree: &'t Tree, span: Span, see: &mut dyn FnMut(&'t Expr)) {
     }
 }
 
-/// The expression that is exactly `span`.
-pub fn expr(tree: &Tree, span: Span) -> Option<&Expr> {
-    let mut found = None;
-    each_expr(tree, span, &mut |expr| {
-        if expr.span == span {
-            found = Some(expr);
-        }
-    });
-    found
-}
-
 /// The argument of a call that is exactly `span`.
 pub fn argument(tree: &Tree, span: Span) -> Option<&Expr> {
     let mut found = None;

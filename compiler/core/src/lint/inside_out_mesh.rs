@@ -32,7 +32,7 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
             continue;
         }
         let emits = shape.emission.is_some();
-        report.add(
+        let finding = report.add(
             origin,
             format!("the normals of the closed {} `{}` look into it", if emits { "emitter" } else { "surface" }, shape.name),
             if emits { "shines inwards" } else { "inside out" },
@@ -42,7 +42,12 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
                 "materials scatter on both sides here, but renderers with one-sided surfaces (Mitsuba without `twosided`, glTF without \
                  `doubleSided`) show it black or not at all"
             },
-            "write `|> flip()` behind its mesh".to_owned(),
+            if emits {
+                "write `|> flip()` behind its mesh, unless it is to light what lies in it".to_owned()
+            } else {
+                "write `|> flip()` behind its mesh".to_owned()
+            },
         );
+        finding.fixable = !emits;
     }
 }

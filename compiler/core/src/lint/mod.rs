@@ -45,6 +45,7 @@ mod unknown_similar;
 mod unlit_scene;
 mod unreachable_paths;
 mod unused_name;
+mod wide_roughness;
 
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
@@ -144,6 +145,8 @@ pub struct Around {
 struct Subject<'a> {
     scene: &'a Scene,
     around: &'a Around,
+    /// What is asked for; empty for all.
+    targets: &'a [&'a str],
     survey: OnceCell<Survey<'a>>,
     /// By mesh.
     faults: Vec<OnceCell<Faults>>,
@@ -153,16 +156,22 @@ struct Subject<'a> {
 }
 
 impl<'a> Subject<'a> {
-    fn of(scene: &'a Scene, around: &'a Around) -> Self {
+    fn of(scene: &'a Scene, around: &'a Around, targets: &'a [&'a str]) -> Self {
         let meshes = scene.meshes.len();
         Self {
             scene,
             around,
+            targets,
             survey: OnceCell::new(),
             faults: vec![OnceCell::new(); meshes],
             closed: vec![OnceCell::new(); meshes],
             contacts: OnceCell::new(),
         }
+    }
+
+    /// Whether a target is asked for.
+    fn asks_for(&self, target: &str) -> bool {
+        self.targets.is_empty() || self.targets.contains(&target)
     }
 
     /// What lies where.
@@ -244,6 +253,7 @@ pub static RULES: &[Rule] = &[
     unlit_scene::RULE,
     unreachable_paths::RULE,
     unused_name::RULE,
+    wide_roughness::RULE,
 ];
 
 /// Levels that differ from the built-in ones.
@@ -416,7 +426,7 @@ pub fn find(id: &str) -> Option<&'static Rule> {
 
 /// What the rules find in `scene`, in the order of its text; rules that exist for none of `targets` are left out.
 pub fn lint(scene: &Scene, around: &Around, levels: &Levels, targets: &[&str]) -> Vec<Finding> {
-    let subject = Subject::of(scene, around);
+    let subject = Subject::of(scene, around, targets);
     let mut findings = Vec::new();
     for rule in RULES.iter().filter(|rule| levels.ask(rule, targets)) {
         let mut report = Report { id: rule.id, severity: levels.of(rule).severity(), findings: Vec::new() };

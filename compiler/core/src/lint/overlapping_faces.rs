@@ -1,13 +1,14 @@
 //! Rule `overlapping-faces`: two surfaces do not share a plane.
 #![doc = include_str!("overlapping_faces.md")]
 
-use super::{Level, Report, Rule, Subject, also, plural};
-use crate::contact::{Role, role};
+use super::{Level, Report, Rule, Subject, also, plural, short};
+use crate::contact::{Role, coplanarity, places, role};
+use crate::survey::{Placed, faces_against, whole, winding};
 
 pub(super) const RULE: Rule = Rule {
     id: "overlapping-faces",
     level: Level::Warn,
-    summary: "Faces of two materials lie in one plane and over each other, and renderers show one or the other.",
+    summary: "Faces lie in one plane and over each other, and renderers show one, the other, or neither.",
     doc: include_str!("overlapping_faces.md"),
     targets: &[],
     check,
@@ -18,6 +19,7 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
     let contacts = subject.contacts();
     for contact in &contacts.found {
         let uses = contact.uses.map(|at| &survey.placed[at]);
+        let [one, other] = uses;
         // Glass, and lamps in walls, have rules of their own.
         let both_emit = match uses.map(|placed| role(survey, placed)) {
             [Role::Opaque, Role::Opaque] => false,
@@ -26,22 +28,37 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
         };
         // Of opposite faces a closed body hides the other: nobody sees the underside of a box.
         let open = || uses.iter().all(|placed| !subject.is_closed(placed.shape.mesh));
-        let seen = contact.same.coplanar > 0.0 || contact.opposite.coplanar > 0.0 && open();
+        let opposite = || contact.opposite.coplanar > 0.0 && open();
+        let alike = !both_emit && alike(subject, uses);
+        let seen = if alike {
+            subject.asks_for("cycles") && (contact.same.coplanar > 0.0 && lit(subject, contact.uses) || opposite())
+        } else {
+            contact.same.coplanar > 0.0 || opposite()
+        };
         if !seen {
             continue;
         }
-        let [one, other] = uses;
-        let finding = report.add(
-            other.origin,
-            format!("faces of `{}` and `{}` lie over each other in one plane", one.name(), other.name()),
-            "this one",
-            if both_emit {
-                "a ray meets both at one distance and sees one of them, a renderer that samples lights counts both"
-            } else {
-                "a ray meets both at one distance: which material it sees is decided by rounding, another way in each renderer"
-            },
-            "move one of them off the other, or leave out what the other covers".to_owned(),
-        );
+        let message = format!("faces of `{}` and `{}` lie over each other in one plane", one.name(), other.name());
+        let (note, help) = if alike {
+            (
+                "a ray that leaves one of them meets the other at once in Cycles, which shows black there (0.0002 for 0.8); other \
+                 renderers show one face, as both have one material",
+                format!(
+                    "move the face of one of them {} or more behind that of the other",
+                    short(5.0 * contact.nearness)
+                ),
+            )
+        } else {
+            (
+                if both_emit {
+                    "a ray meets both at one distance and sees one of them, a renderer that samples lights counts both"
+                } else {
+                    "a ray meets both at one distance: which material it sees is decided by rounding, another way in each renderer"
+                },
+                "move one of them off the other, or leave out what the other covers".to_owned(),
+            )
+        };
+        let finding = report.add(other.origin, message, "this one", note, help);
         also(finding, one.origin, "in one plane with it");
     }
     if contacts.left_out > 0 {
@@ -54,4 +71,34 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
             "nothing need be done; contacts in the rest of the scene are reported".to_owned(),
         );
     }
+}
+
+/// Whether two uses have materials that scatter alike.
+fn alike(subject: &Subject<'_>, uses: [&Placed<'_>; 2]) -> bool {
+    let materials = &subject.scene.materials;
+    let [a, b] = uses.map(|placed| placed.shape.material);
+    let known = |at: usize| at < materials.len();
+    known(a.index()) && known(b.index()) && materials[a].bsdf == materials[b].bsdf
+}
+
+/// Whether light can reach a place where two uses look the same way: it does not lie within a closed opaque body, nor against a wall.
+fn lit(subject: &Subject<'_>, uses: [usize; 2]) -> bool {
+    let survey = subject.survey();
+    places(survey, uses).into_iter().any(|(place, normal)| {
+        let reach = place.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+        let off = 8.0 * coplanarity(reach);
+        let before = [0, 1, 2].map(|axis| place[axis] + off * normal[axis]);
+        let hides = |placed: &&Placed<'_>| {
+            placed.bounds.contains(before)
+                && role(survey, placed) != Role::Dielectric
+                && subject.is_closed(placed.shape.mesh)
+                && whole(winding(survey.triangles(placed), before)).is_some_and(|times| times != 0)
+        };
+        let covers = |(at, placed): (usize, &Placed<'_>)| {
+            !uses.contains(&at)
+                && role(survey, placed) != Role::Dielectric
+                && faces_against(survey, placed, place, normal, 2.0 * coplanarity(reach))
+        };
+        !survey.placed.iter().any(|placed| hides(&placed)) && !survey.placed.iter().enumerate().any(covers)
+    })
 }

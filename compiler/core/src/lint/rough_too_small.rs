@@ -1,7 +1,7 @@
 //! Rule `rough-too-small`: a microfacet surface is rough enough to be sampled alike.
 #![doc = include_str!("rough_too_small.md")]
 
-use super::{Level, Report, Rule, Subject};
+use super::{Level, Report, Rule, Subject, short};
 use crate::ir::Bsdf;
 
 /// The smallest portable GGX width: the profile of the `lteval` test suite (Tázlar 2020).
@@ -19,22 +19,28 @@ pub(super) const RULE: Rule = Rule {
 fn check(subject: &Subject<'_>, report: &mut Report) {
     let scene = subject.scene;
     for (handle, material) in scene.materials.iter() {
-        let alpha = match material.bsdf {
+        let (alpha, has, help) = match material.bsdf {
             Bsdf::Conductor { eta: _, k: _, alpha }
             | Bsdf::Dielectric { interior: _, exterior: _, alpha }
-            | Bsdf::Plastic { reflectance: _, ior: _, alpha } => alpha,
-            // What renderers make of a small roughness is their own; `non-basic-material` says so.
-            Bsdf::Principled { base: _, metallic: _, roughness: _, ior: _ }
-            | Bsdf::Diffuse { reflectance: _ }
-            | Bsdf::Mirror { reflectance: _ } => continue,
+            | Bsdf::Plastic { reflectance: _, ior: _, alpha } => {
+                let help = format!("write `alpha: {LEAST}`, `alpha: 0` for a smooth surface, or `mirror()`");
+                (alpha, format!("alpha {alpha}"), help)
+            }
+            Bsdf::Principled { base: _, metallic: _, roughness, ior: _ } => {
+                // Squared by all renderers; in f64, which 0.1 squared must not leave.
+                let alpha = (roughness * roughness * 1e12).round() / 1e12;
+                let help = format!("write `roughness: {}`, whose square is {LEAST}, or more", LEAST.sqrt());
+                (alpha, format!("roughness {roughness}, alpha {}", short(alpha)), help)
+            }
+            Bsdf::Diffuse { reflectance: _ } | Bsdf::Mirror { reflectance: _ } => continue,
         };
         if alpha > 0.0 && alpha < LEAST {
             report.add(
                 scene.materials.origin(handle),
-                format!("the material `{}` has alpha {alpha}, less than {LEAST}", material.name),
+                format!("the material `{}` has {has}, less than {LEAST}", material.name),
                 "this material",
                 "PBRT treats a width below 0.001 as smooth, LuxCore and Cycles clamp it, and single precision loses the peak",
-                format!("write `alpha: {LEAST}`, `alpha: 0` for a smooth surface, or `mirror()`"),
+                help,
             );
         }
     }

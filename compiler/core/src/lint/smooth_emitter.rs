@@ -20,7 +20,7 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
     for (origin, shape) in scene.surfaces().filter(|(_, shape)| shape.emission.is_some()) {
         let degrees = subject.faults(shape.mesh).lean;
         if degrees > TOLERANCE {
-            report.add(
+            let finding = report.add(
                 origin,
                 format!(
                     "the emitter `{}` has smooth normals: they lean up to {degrees:.1} degrees from the faces",
@@ -30,6 +30,9 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
                 "Mitsuba and PBRT decide the emitting side by the shading normal or by the face, and not all alike",
                 "write `|> faceted()` behind its mesh".to_owned(),
             );
+            // What it scatters would look otherwise.
+            finding.fixable =
+                scene.materials.values().nth(shape.material.index()).is_some_and(|one| one.bsdf.is_black());
         }
     }
 }

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use crate::ir::{Vec3, cross, dot, length, sub};
 
-use super::{Bounds, Survey};
+use super::{Bounds, Placed, Survey};
 
 /// How far a winding number may lie from a whole one for a closed surface. Rounding adds some 1e-16 for each triangle; an open
 /// surface comes this close to 0 only from afar.
@@ -40,6 +40,15 @@ impl Survey<'_> {
         near.sort_by_key(|placed| self.scene.meshes[placed.shape.mesh].triangles.len());
         near.into_iter().any(|placed| self.triangles(placed).any(|triangle| meets(triangle, from, way)))
     }
+}
+
+/// Whether faces of a use that look against `normal` cross the line of this length on both sides of a point.
+pub fn faces_against(survey: &Survey<'_>, placed: &Placed<'_>, point: Vec3, normal: Vec3, length: f64) -> bool {
+    let at = |far: f64| [0, 1, 2].map(|axis| point[axis] + far * normal[axis]);
+    let (from, to) = (at(length), at(-length));
+    let against = |[a, b, c]: [Vec3; 3]| dot(cross(sub(b, a), sub(c, a)), normal) < 0.0;
+    placed.bounds.grown(length).contains(point)
+        && survey.triangles(placed).any(|triangle| against(triangle) && meets(triangle, from, sub(to, from)))
 }
 
 fn pick(a: Vec3, b: Vec3, choose: fn(f64, f64) -> f64) -> Vec3 {

@@ -9,7 +9,7 @@ mod inside;
 
 pub use bounds::Bounds;
 pub use frustum::{Frustum, Span};
-pub use inside::{whole, winding};
+pub use inside::{faces_against, whole, winding};
 
 use crate::diag::Origin;
 use crate::ir::{Affine, Arena, Instance, Scene, Shape, Vec3};

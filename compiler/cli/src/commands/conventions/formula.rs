@@ -150,6 +150,24 @@ pub fn projected(camera: &Camera, size: (usize, usize), point: Vec3) -> (f64, f6
     (size.0 as f64 / 2.0 + dot(to, right) * scale, size.1 as f64 / 2.0 - dot(to, up) * scale)
 }
 
+/// What a pixel shows of a lamp of radiance 1 whose straight edge lies `at` from the pixel's middle, the lamp towards lesser values:
+/// the integral up to there of a Gaussian cut at `radius`, its value there subtracted (with the error function by its integral, the
+/// midpoint rule).
+pub fn gaussian_edge(stddev: f64, radius: f64, at: f64) -> f64 {
+    const STEPS: usize = 2_000;
+    let bell = |x: f64| (-x * x / (2.0 * stddev * stddev)).exp();
+    let sum = |to: f64| {
+        let step = (to + radius) / STEPS as f64;
+        (0..STEPS).map(|i| (bell((i as f64 + 0.5) * step - radius) - bell(radius)) * step).sum::<f64>()
+    };
+    sum(at.clamp(-radius, radius)) / sum(radius)
+}
+
+/// Likewise for equal weights within `radius`.
+pub fn box_edge(radius: f64, at: f64) -> f64 {
+    ((at + radius) / (2.0 * radius)).clamp(0.0, 1.0)
+}
+
 /// What a closed surface that emits 1 and reflects `rho` shows for paths of `depth` segments.
 pub fn furnace(rho: f64, depth: i32) -> f64 {
     (1.0 - rho.powi(depth)) / (1.0 - rho)
@@ -226,6 +244,19 @@ mod tests {
         // A small square at the distance 10: its area over the distance squared.
         let small = [[-0.1, -0.1, 10.0], [0.1, -0.1, 10.0], [0.1, 0.1, 10.0], [-0.1, 0.1, 10.0]];
         near(polygon(&small, [0.0; 3], [0.0, 0.0, 1.0]), 4e-4, 1e-7);
+    }
+
+    #[test]
+    fn edges_of_gaussians() {
+        // The normal distribution at -2, -1, 0, 0.5 standard deviations.
+        for (at, share) in [(-2.0, 0.022_75), (-1.0, 0.158_66), (0.0, 0.5), (0.5, 0.691_46)] {
+            near(gaussian_edge(0.7, 9.0, 0.7 * at), share, 1e-5);
+        }
+        // Cut at two, 0.1353 subtracted: (0.4773 sqrt(2 pi) - 2 0.1353) of each side, 0.3413 sqrt(2 pi) - 0.1353 within one.
+        let (side, one) = (0.477_25 * 2.506_63 - 2.0 * 0.135_34, 0.341_34 * 2.506_63 - 0.135_34);
+        near(gaussian_edge(1.0, 2.0, 1.0), 0.5 + one / side / 2.0, 1e-4);
+        assert_eq!((gaussian_edge(1.0, 2.0, 3.0), gaussian_edge(1.0, 2.0, -3.0)), (1.0, 0.0));
+        assert_eq!((box_edge(1.5, 0.75), box_edge(1.5, 2.0), box_edge(0.5, -0.25)), (0.75, 1.0, 0.25));
     }
 
     #[test]

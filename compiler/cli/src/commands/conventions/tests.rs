@@ -12,7 +12,7 @@ use ltsc_core::lint;
 use ltsc_render::image::Image;
 use ltsc_render::run::{Driver, driver};
 
-use super::formula::furnace;
+use super::formula::{box_edge, furnace, gaussian_edge};
 use super::ideal::Ideal;
 use super::judge::Verdict;
 use super::kinds::{By, Convention, Expected, Known, Measure, View};
@@ -349,6 +349,42 @@ fn a_filter_that_reaches_into_neighbours_fails() {
         }
     }
     assert!(judged(&one, &image, "mitsuba-3").iter().all(|row| row.verdict == Verdict::Fails));
+}
+
+/// Edges as filters of other widths show them: three times as wide as Cycles' once was, and of half the variance, as LuxCore's with
+/// twice its `alpha`.
+#[test]
+fn a_filter_of_another_width_fails() {
+    let shown = |name: &str, view: usize, edge: &dyn Fn(f64) -> f64, renderer: &str| {
+        let one = asked(name, view);
+        let mut image = Image::filled(32, 32, [0.0; 3]);
+        let columns: Vec<f32> = (0..32).map(|at| edge(15.75 - f64::from(at)) as f32).collect();
+        image.pixels.chunks_mut(32).for_each(|row| {
+            row.iter_mut().zip(&columns).for_each(|(pixel, value)| *pixel = [*value; 3]);
+        });
+        judged(&one, &image, renderer).iter().map(|row| row.verdict).collect::<Vec<_>>()
+    };
+    for (view, stddev) in [0.3, 0.5, 1.0, 2.0].into_iter().enumerate() {
+        let of = |factor: f64| move |at| gaussian_edge(factor * stddev, 4.0 * factor * stddev, at);
+        for renderer in ["mitsuba-3", "luxcore", "cycles"] {
+            let right = shown("gaussian_filter", view, &of(1.0), renderer);
+            assert!(right.iter().all(|verdict| *verdict == Verdict::Holds), "{renderer} {stddev}: {right:?}");
+            for factor in [3.0, 0.5_f64.sqrt()] {
+                let wrong = shown("gaussian_filter", view, &of(factor), renderer);
+                assert!(wrong.contains(&Verdict::Fails), "{renderer} {stddev} {factor}: {wrong:?}");
+            }
+        }
+    }
+    // A Gaussian that is not cut, and a box as wide as a pixel, pass where that is stated only.
+    let (whole, pixel) = (|at| gaussian_edge(1.0, 6.0, at), |at| box_edge(0.5, at));
+    for (renderer, uncut, narrow) in [
+        ("luxcore", Verdict::Fails, Verdict::Fails),
+        ("mitsuba-3", Verdict::Approximate, Verdict::Unsupported),
+        ("cycles", Verdict::Approximate, Verdict::Unsupported),
+    ] {
+        assert!(shown("cut_gaussian_filter", 0, &whole, renderer).contains(&uncut), "{renderer}");
+        assert!(shown("box_filter", 0, &pixel, renderer).contains(&narrow), "{renderer}");
+    }
 }
 
 #[test]

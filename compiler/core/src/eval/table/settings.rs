@@ -89,12 +89,18 @@ pub(super) const ROWS: &[Constructor] = &[
                 default: Some("0.5"),
                 doc: "standard deviation in pixels, > 0",
             },
-            Parameter { name: "radius", ty: Ty::Number, default: Some("2"), doc: "half the side in pixels, > 0" },
+            Parameter {
+                name: "radius",
+                ty: Ty::Number,
+                default: Some("4 stddev"),
+                doc: "half the side in pixels, > 0; four standard deviations if left out",
+            },
         ],
         positional: 0,
         example: "film = image(512, 512, filter: gaussian(stddev: 0.5))",
         build: |args, _| {
-            let (stddev, radius) = (above_zero(args, "stddev", 0.5)?, above_zero(args, "radius", 2.0)?);
+            let stddev = above_zero(args, "stddev", 0.5)?;
+            let radius = above_zero(args, "radius", 4.0 * stddev)?;
             Ok(Value::Filter(Rc::new(Filter::Gaussian { stddev, radius })))
         },
     },

@@ -1,8 +1,9 @@
 //! Formulas by which the Scene's numbers become Blender's, and how far off it is for one scene.
 
-use super::media;
+use super::{media, names};
 use crate::capability::{Bound, Feature};
 use crate::formats::shared::bounds;
+use crate::formats::shared::filter::{self, Kernel};
 use crate::ir::Scene;
 
 const ROUGHNESS: &str = "Roughness = sqrt(alpha)";
@@ -28,15 +29,33 @@ pub const CONVERSIONS: &[(Feature, &str)] = &[
         "color = I / max(I), energy = 4 pi max(I), spot_size = 2 angle, spot_blend = (cos inner - cos angle) / (1 - cos angle)",
     ),
     (Feature::DirectionalLight, "color = E / max(E), energy = max(E)"),
-    (Feature::BoxFilter, "filter_width = 2 radius"),
-    (Feature::GaussianFilter, "filter_width = 12 stddev"),
+    (
+        Feature::GaussianFilter,
+        "filter_width = 4 stddev, which Blender makes three times as wide and Cycles takes for twelve",
+    ),
     (Feature::Path, "max_bounces, diffuse_, glossy_, transmission_bounces = max_depth - 2"),
 ];
 
-/// Metals, whose Fresnel term is the one for large `k`; wide ones, whose masking is correlated by height; and light that enters
+/// Rough glass: 4.5.15 against Mitsuba 3.9.1, 1024 samples per pixel; see [`bounds::of_glass`].
+const GLASS: &[bounds::Glass] = &[(0.05, 0.002), (0.1, 0.004), (0.3, 0.014), (0.5, 0.048), (0.8, 0.172), (1.0, 0.307)];
+
+/// What Cycles' own table of a filter does to a straight edge: with 4.5.15 up to 0.0012 of the step for standard deviations of 0.1 to 2.5.
+const TABLE: f64 = 1.2e-3;
+
+/// Gaussians, cut farther out; metals, whose Fresnel term is the one for large `k`; wide ones, whose masking is correlated by height; and light that enters
 /// another medium, which Cycles does not scale.
 pub fn bound(feature: Feature, scene: &Scene) -> Option<Bound> {
-    if [Feature::SmoothDielectric, Feature::RoughDielectric, Feature::ThinnerInside].contains(&feature) {
+    if [Feature::GaussianFilter, Feature::CutGaussianFilter].contains(&feature) {
+        return filter::bound(scene, TABLE, |stddev, _| {
+            let (least, most) = names::FILTER_WIDTHS;
+            let stddev = names::stddev(names::gaussian_width(stddev).clamp(least, most));
+            Kernel::cut(stddev, 6.0 * stddev)
+        });
+    }
+    if feature == Feature::RoughDielectric {
+        return bounds::both(media::bound(scene), bounds::of_glass(scene, GLASS));
+    }
+    if [Feature::SmoothDielectric, Feature::ThinnerInside].contains(&feature) {
         return media::bound(scene);
     }
     if [Feature::SmoothConductor, Feature::RoughConductor].contains(&feature) {

@@ -36,11 +36,12 @@ pub fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
 fn settings(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
     let Film { width, height, filter } = &scene.film;
     let filter = match filter {
-        Filter::Box { radius } => format!("box={}", Num(*radius)),
+        // Only that of a pixel exists.
+        Filter::Box { radius: _ } => String::new(),
         // The radius is Cycles' own.
-        Filter::Gaussian { stddev, radius: _ } => format!("gaussian={}", Num(*stddev)),
+        Filter::Gaussian { stddev, radius: _ } => format!(", gaussian={}", Num(names::gaussian_width(*stddev))),
     };
-    writeln!(out, "film({}, {}, {filter})", count(*width), count(*height))?;
+    writeln!(out, "film({}, {}{filter})", count(*width), count(*height))?;
     let max_depth = match &scene.integrator {
         Integrator::Path { max_depth } => max_depth,
         Integrator::Bidirectional { max_depth }

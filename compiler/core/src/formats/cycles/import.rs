@@ -113,10 +113,16 @@ impl Reader {
                 arguments
             }
             "film" => {
-                let arguments = Arguments::new(call, &["width", "height", "box", "gaussian"]);
+                let arguments = Arguments::new(call, &["width", "height", "gaussian"]);
                 let size = ["width", "height"].map(|name| arguments.count(name, to));
-                let filter = if arguments.get("gaussian").is_some() { "gaussian" } else { "box" };
-                arguments.float(filter, to);
+                self.reading.filter =
+                    Some(match arguments.get("gaussian").and_then(|_| arguments.float("gaussian", to)) {
+                        Some(width) => {
+                            let stddev = names::stddev(width);
+                            Filter::Gaussian { stddev, radius: 6.0 * stddev }
+                        }
+                        None => Filter::Box { radius: 0.5 },
+                    });
                 if let [Some(width), Some(height)] = size {
                     self.reading.film = Some([width, height]);
                 }

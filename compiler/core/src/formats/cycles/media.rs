@@ -64,6 +64,8 @@ pub fn bound(scene: &Scene) -> Option<Bound> {
     let far = survey.bounds.map_or(1.0, Bounds::diagonal);
     let stride = solid.len().div_ceil(POINTS).max(1);
     let each = (POINTS / solid.len().max(1)).max(1);
+    let surfaces = solid.len();
+    let points_of = surfaces.div_ceil(stride);
     let chosen = solid.into_iter().step_by(stride);
     let points: Vec<Vec3> = chosen
         .flat_map(|placed| {
@@ -71,6 +73,10 @@ pub fn bound(scene: &Scene) -> Option<Bound> {
             survey.triangles(placed).step_by(count.div_ceil(each).max(1)).map(middle)
         })
         .collect();
+    let looked_at = format!(
+        "looked at for {points_of} of {surfaces} surfaces that scatter, at {} points in all, and at most {LIGHTS} lights",
+        points.len()
+    );
     let mut worst: Option<(f64, f64)> = None;
     for (eye, point) in eyes.iter().flat_map(|eye| points.iter().map(move |point| (*eye, point))) {
         let Some(camera) = entered(&borders, eye, *point) else { continue };
@@ -93,9 +99,13 @@ pub fn bound(scene: &Scene) -> Option<Bound> {
     Some(match worst {
         Some((size, share)) => Bound {
             size,
-            what: format!("of the light that comes to the camera from another medium: Cycles gives {share:.4} of it"),
+            what: format!(
+                "of the light that comes to the camera from another medium: Cycles gives {share:.4} of it ({looked_at})"
+            ),
         },
-        None => Bound { size: 0.0, what: "of the light: camera and lights lie in the same medium".to_owned() },
+        None => {
+            Bound { size: 0.0, what: format!("of the light: camera and lights lie in the same medium ({looked_at})") }
+        }
     })
 }
 

@@ -18,6 +18,20 @@ pub fn literal(text: &str) -> String {
     quoted
 }
 
+/// `filter_width` of a Gaussian. Blender hands three times its number to Cycles, which draws exp(-2 (6 x / width)^2) (`film.cpp`); edges
+/// of lamps are as wide as that with 4.5.15.
+pub fn gaussian_width(stddev: f64) -> f64 {
+    4.0 * stddev
+}
+
+/// Blender's least and largest `filter_width`.
+pub const FILTER_WIDTHS: (f64, f64) = (0.01, 10.0);
+
+/// The standard deviation of the Gaussian that a `filter_width` asks for: where 2 (6 x / (3 width))^2 is 1/2.
+pub fn stddev(width: f64) -> f64 {
+    3.0 * width / 12.0
+}
+
 /// How much of a spot's cone fades in Blender, from 0 to 1, for the half angles in degrees at which the light ends and
 /// begins to fade. Blender compares cosines: it fades from `cos angle + blend (1 - cos angle)` down to `cos angle`.
 pub fn spot_blend(angle: f64, inner: f64) -> f64 {
@@ -39,6 +53,15 @@ mod tests {
     #[test]
     fn text_cannot_leave_its_quotes() {
         assert_eq!(literal("a\"b\\c\n\u{e9}"), "\"a\\\"b\\\\c\\U0000000a\\U000000e9\"");
+    }
+
+    #[test]
+    fn a_gaussian_is_drawn_as_wide_as_it_is_asked_for() {
+        for wanted in [0.3, 0.5, 1.0, 2.0] {
+            let drawn = |x: f64| (-2.0 * (6.0 * x / (3.0 * gaussian_width(wanted))).powi(2)).exp();
+            assert!((drawn(wanted) - (-0.5_f64).exp()).abs() < 1e-12, "{wanted}");
+            assert!((stddev(gaussian_width(wanted)) - wanted).abs() < 1e-12);
+        }
     }
 
     #[test]

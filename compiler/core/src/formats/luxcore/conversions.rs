@@ -3,6 +3,7 @@
 use super::fresnel::{self, Fit};
 use crate::capability::{Bound, Feature};
 use crate::formats::shared::bounds;
+use crate::formats::shared::filter::{self, Kernel};
 use crate::formats::shared::microfacet::Masking;
 use crate::ir::Scene;
 
@@ -27,8 +28,21 @@ pub const CONVERSIONS: &[(Feature, &str)] = &[
     (Feature::Seed, "seed + 1: LuxCore's 0 and 1 are the same"),
 ];
 
-/// Metals: the Fresnel term with the numbers that are written, Schlick's masking, and what samples of the lobe lose.
+/// Rough glass: 2.11.2 against Mitsuba 3.9.1, 1024 samples per pixel; see [`bounds::of_glass`].
+const GLASS: &[bounds::Glass] =
+    &[(0.01, 0.009), (0.05, 0.013), (0.1, 0.045), (0.3, 0.067), (0.5, 0.252), (0.8, 0.555), (1.0, 0.682)];
+
+/// Cells on each side in the table of a filter (`filterdistribution.cpp`), each with the value in its middle.
+const TABLE: u32 = 32;
+
+/// Gaussians, by a table; metals: the Fresnel term with the numbers that are written, Schlick's masking, and what samples of the lobe lose.
 pub fn bound(feature: Feature, scene: &Scene) -> Option<Bound> {
+    if feature == Feature::RoughDielectric {
+        return bounds::of_glass(scene, GLASS);
+    }
+    if feature == Feature::GaussianFilter {
+        return filter::bound(scene, 0.0, |stddev, radius| Kernel::lowered(stddev, radius).stepped(TABLE, 0.5));
+    }
     let metals = || bounds::metals(scene, feature);
     let masking = || {
         let of = |masking| bounds::of_masking(metals(), masking);

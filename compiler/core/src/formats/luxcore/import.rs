@@ -10,7 +10,7 @@ use crate::formats::shared::reading::{
     Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Reading, Surface, Use, View,
 };
 use crate::formats::shared::source::{self, REFERENCE, SYNTAX, Source, Text, UNKNOWN, number, numbers, shown};
-use crate::ir::{Affine, Vec3, cross, normalized, sub};
+use crate::ir::{Affine, Filter, Vec3, cross, normalized, sub};
 
 /// Settings that say how long and where to, and not what.
 const PASSED: &[&str] = &[
@@ -20,9 +20,6 @@ const PASSED: &[&str] = &[
     "path.russianroulette.depth",
     "renderengine.seed",
     "batch.haltspp",
-    "film.filter.type",
-    "film.filter.width",
-    "film.filter.gaussian.alpha",
     "film.outputs.0.type",
     "film.outputs.0.filename",
     "scene.epsilon.min",
@@ -42,11 +39,57 @@ pub fn import(main: &VPath, source: &mut Source<'_>) -> Reading {
     reading
 }
 
+/// What the properties of the filter say; LuxCore's own values where they say nothing.
+struct Lens {
+    kind: Kind,
+    width: f64,
+    alpha: f64,
+}
+
+#[derive(Clone, Copy)]
+enum Kind {
+    Pixel,
+    Box,
+    Gaussian,
+}
+
+impl Default for Lens {
+    fn default() -> Self {
+        Self { kind: Kind::Pixel, width: 2.0, alpha: 2.0 }
+    }
+}
+
+impl Lens {
+    /// Takes a property behind `film.filter.`; false where it is not understood.
+    fn set(&mut self, key: &str, value: &str) -> bool {
+        let positive = || number(value).filter(|x| *x > 0.0);
+        match (key, string(value), positive()) {
+            ("type", Some("NONE"), _) => self.kind = Kind::Pixel,
+            ("type", Some("BOX"), _) => self.kind = Kind::Box,
+            ("type", Some("GAUSSIAN"), _) => self.kind = Kind::Gaussian,
+            ("width", _, Some(width)) => self.width = width,
+            ("gaussian.alpha", _, Some(alpha)) => self.alpha = alpha,
+            _ => return false,
+        }
+        true
+    }
+
+    fn kernel(&self) -> Filter {
+        match self.kind {
+            Kind::Pixel => Filter::Box { radius: 0.5 },
+            Kind::Box => Filter::Box { radius: self.width },
+            // exp(-alpha x^2) is exp(-1/2) at one standard deviation.
+            Kind::Gaussian => Filter::Gaussian { stddev: (0.5 / self.alpha).sqrt(), radius: self.width },
+        }
+    }
+}
+
 /// The settings; gives the path of the scene's file.
 fn settings(main: &VPath, source: &mut Source<'_>, reading: &mut Reading) -> Option<VPath> {
     let bytes = source.bytes(main, || source::whole(main))?;
     let text = Text { path: main, text: source::text(source, main, &bytes)? };
     let (mut scene, mut size, mut depths) = (None, [None; 2], [None; DEPTHS.len()]);
+    let mut filter = Lens::default();
     let mut fixed = vec![false; names::FIXED.len()];
     lines(text, source, |Property { key, value, at }, source| {
         let whole = || number(value).filter(|x| x.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(x));
@@ -74,6 +117,10 @@ fn settings(main: &VPath, source: &mut Source<'_>, reading: &mut Reading) -> Opt
             if value != wanted {
                 source.say(SYNTAX, text.origin(at), format!("`{key}` other than {wanted} is not read"));
             }
+        } else if let Some(rest) = key.strip_prefix("film.filter.") {
+            if !filter.set(rest, value) {
+                source.say(SYNTAX, text.origin(at), format!("`{key}` with the value {} is not read", shown(value)));
+            }
         } else if !PASSED.contains(&key) {
             source.say(UNKNOWN, text.origin(at), format!("the property `{}` is not known", shown(key)));
         }
@@ -84,6 +131,7 @@ fn settings(main: &VPath, source: &mut Source<'_>, reading: &mut Reading) -> Opt
     if let [Some(width), Some(height)] = size {
         reading.film = Some([width, height]);
     }
+    reading.filter = Some(filter.kernel());
     // The limits per kind of scattering have defaults of their own.
     if depths.iter().all(Option::is_some) {
         reading.max_depth = depths.into_iter().flatten().min();

@@ -139,6 +139,14 @@ mod tests {
     }
 
     #[test]
+    fn a_gaussian_is_drawn_as_wide_as_it_is_asked_for() {
+        for stddev in [0.3, 0.5, 1.0, 2.0_f64] {
+            let drawn = |x: f64| (-gaussian_alpha(stddev) * x * x).exp();
+            assert!((drawn(stddev) - (-0.5_f64).exp()).abs() < 1e-12, "{stddev}");
+        }
+    }
+
+    #[test]
     fn depth_and_seed() {
         assert_eq!((depth(10), depth(2), depth(1)), (10, 2, 2));
         assert_eq!((seed(0), seed(7), seed(u32::MAX)), (1, 8, 1));

@@ -13,7 +13,7 @@ use crate::formats::shared::reading::{
     Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Reading, Surface, Use, View, inverse,
 };
 use crate::formats::shared::source::{self, INCLUDE_DEPTH, LIMIT, REFERENCE, SYNTAX, Source, Text, shown};
-use crate::ir::{Affine, normalized};
+use crate::ir::{Affine, Filter, normalized};
 
 /// Reads the scene whose main file is `main`.
 pub fn import(version: Version, main: &VPath, source: &mut Source<'_>) -> Reading {
@@ -180,7 +180,9 @@ impl Reader {
         }
         let mut film = [768, 576];
         for inner in plugin.inner("film") {
-            film = self.film(inner, to);
+            let filter;
+            (film, filter) = self.film(inner, to);
+            self.reading.filter = Some(filter);
         }
         self.reading.film = Some(film);
         let map = plugin.transform(names.to_world, to);
@@ -212,7 +214,7 @@ impl Reader {
         plugin.finish(to);
     }
 
-    fn film(&self, plugin: Plugin<'_>, to: &mut Said<'_, '_, '_>) -> [u32; 2] {
+    fn film(&self, plugin: Plugin<'_>, to: &mut Said<'_, '_, '_>) -> ([u32; 2], Filter) {
         let names = self.version.names();
         if plugin.kind() != "hdrfilm" {
             to.unknown(plugin.at(), "film", plugin.kind(), &["hdrfilm"]);
@@ -223,17 +225,23 @@ impl Reader {
         if names.banner.and_then(|name| plugin.boolean(name, to)).unwrap_or(names.banner.is_some()) {
             to.say(SYNTAX, plugin.at(), "a film with a banner is not read");
         }
+        // The default of all versions.
+        let mut read = gaussian(0.5);
         for filter in plugin.inner("rfilter") {
-            if !["box", "gaussian"].contains(&filter.kind()) {
-                to.unknown(filter.at(), "filter", filter.kind(), &["box", "gaussian"]);
-            }
-            for name in ["radius", "stddev"] {
-                filter.float(name, to);
-            }
+            read = match filter.kind() {
+                "gaussian" => gaussian(filter.float("stddev", to).unwrap_or(0.5)),
+                kind => {
+                    if kind != "box" {
+                        to.unknown(filter.at(), "filter", kind, &["box", "gaussian"]);
+                    }
+                    let radius = names.box_radius.and_then(|name| filter.float(name, to));
+                    Filter::Box { radius: radius.unwrap_or(0.5) }
+                }
+            };
             filter.finish(to);
         }
         plugin.finish(to);
-        [size[0].unwrap_or(768), size[1].unwrap_or(576)]
+        ([size[0].unwrap_or(768), size[1].unwrap_or(576)], read)
     }
 
     fn shape(&mut self, plugin: Plugin<'_>, to: &mut Said<'_, '_, '_>) {
@@ -379,4 +387,9 @@ impl Reader {
             None => to.say(SYNTAX, plugin.at(), "the light cannot be read"),
         }
     }
+}
+
+/// Mitsuba's Gaussian, which it cuts itself.
+fn gaussian(stddev: f64) -> Filter {
+    Filter::Gaussian { stddev, radius: 4.0 * stddev }
 }

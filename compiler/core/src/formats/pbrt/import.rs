@@ -14,7 +14,7 @@ use crate::formats::shared::reading::{
     Emitted, Front, Item, Light, MeshPlace, MeshSource, Model, Paint, Reading, Surface, Use, View,
 };
 use crate::formats::shared::source::{self, INCLUDE_DEPTH, LIMIT, REFERENCE, SYNTAX, Source, Text, number, shown};
-use crate::ir::{Affine, Meaning, Vec3, cross, normalized, sub};
+use crate::ir::{Affine, Filter, Meaning, Vec3, cross, normalized, sub};
 
 /// How deep attributes may be nested.
 const STATE_DEPTH: usize = 1000;
@@ -339,9 +339,30 @@ impl Reader {
             }
             "PixelFilter" => {
                 let (x, y) = self.version.names().filter_radius;
-                for name in [x, y, "alpha", "sigma"] {
-                    params.float(name, to);
+                let [across, along] = [x, y].map(|name| params.float(name, to));
+                if across != along {
+                    to.say(SYNTAX, params.at, "a filter of two widths is not read");
                 }
+                self.reading.filter = match name {
+                    "box" => Some(Filter::Box { radius: across.unwrap_or(0.5) }),
+                    "gaussian" => {
+                        // exp(-alpha x^2) is exp(-1/2) at one standard deviation.
+                        let stddev = match self.version {
+                            Version::V3 => (0.5 / params.float("alpha", to).unwrap_or(2.0)).sqrt(),
+                            Version::V4 => params.float("sigma", to).unwrap_or(0.5),
+                        };
+                        // The default of version 3 is 2, that of version 4 1.5.
+                        let radius = match self.version {
+                            Version::V3 => 2.0,
+                            Version::V4 => 1.5,
+                        };
+                        Some(Filter::Gaussian { stddev, radius: across.unwrap_or(radius) })
+                    }
+                    _ => {
+                        to.unknown(params.at, "filter", name, &["box", "gaussian"]);
+                        None
+                    }
+                };
             }
             "Sampler" => {
                 params.integer("pixelsamples", to);

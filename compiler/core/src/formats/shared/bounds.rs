@@ -5,10 +5,10 @@ use super::microfacet::{Masking, albedo};
 use crate::capability::{Bound, Feature, SHARP_ALPHA, WIDE_ALPHA};
 use crate::ir::{Bsdf, Material, Scene};
 
-/// The last angle of incidence that is looked at, in degrees: beyond it all terms go to 1.
-const GRAZING: u32 = 85;
+/// Angles of incidence that are looked at: so many to a degree, from 0 to 90.
+const TO_A_DEGREE: u32 = 4;
 
-/// Directions for which masking is compared, as cosines of their angles to the normal; nearer to the horizon little is seen.
+/// Directions for which masking is compared, as cosines of their angles to the normal. What is stated says where they end.
 const SEEN: [f64; 5] = [1.0, 0.8, 0.6, 0.4, 0.2];
 
 const CHANNELS: [&str; 3] = ["red", "green", "blue"];
@@ -57,7 +57,7 @@ pub fn both(a: Option<Bound>, b: Option<Bound>) -> Option<Bound> {
     }
 }
 
-/// The largest share by which a Fresnel term differs from the exact one, over metals, channels and angles up to 85 degrees.
+/// The largest share by which a Fresnel term differs from the exact one, over metals, channels and angles.
 /// `term` takes `eta` and `k` and gives what the target computes for a cosine.
 pub fn of_fresnel<'s, F: Fn(f64) -> f64>(
     metals: impl Iterator<Item = Metal<'s>>,
@@ -67,8 +67,9 @@ pub fn of_fresnel<'s, F: Fn(f64) -> f64>(
     for (name, eta, k, _) in metals {
         for (channel, word) in CHANNELS.iter().enumerate() {
             let of = term(eta[channel], k[channel]);
-            for degrees in 0..=GRAZING {
-                let cosine = libm::cos(f64::from(degrees).to_radians());
+            for at in 0..=90 * TO_A_DEGREE {
+                let degrees = f64::from(at) / f64::from(TO_A_DEGREE);
+                let cosine = libm::cos(degrees.to_radians()).max(0.0);
                 let exact = fresnel::conductor(eta[channel], k[channel], cosine);
                 let size = (of(cosine) - exact).abs() / exact;
                 if worst.as_ref().is_none_or(|Bound { size: known, what: _ }| size > *known) {
@@ -97,15 +98,46 @@ pub fn of_masking<'s>(metals: impl Iterator<Item = Metal<'s>>, masking: Masking)
             let change = albedo(alpha, cosine, masking) / albedo(alpha, cosine, Masking::Smith) - 1.0;
             if worst.as_ref().is_none_or(|Bound { size, what: _ }| change.abs() > *size) {
                 let degrees = libm::acos(cosine).to_degrees();
+                let most = libm::acos(SEEN[SEEN.len() - 1]).to_degrees();
                 let way = if change < 0.0 { "too dark" } else { "too bright" };
                 let what = format!(
-                    "of the light that `{name}` of `alpha` {alpha} reflects once, {way}, seen at {degrees:.0} degrees"
+                    "of the light that `{name}` of `alpha` {alpha} reflects once, {way}, seen at {degrees:.0} degrees (flatter than {most:.0} is not looked at)"
                 );
                 worst = Some(Bound { size: change.abs(), what });
             }
         }
     }
     worst
+}
+
+/// What was measured of rough glass at a width: the largest share by which rings of a ball under even light differ from Mitsuba 3.
+pub type Glass = (f64, f64);
+
+/// How far off rough glass is where that was `measured` at some widths, from narrow to wide; between two of them by a straight line.
+pub fn of_glass(scene: &Scene, measured: &[Glass]) -> Option<Bound> {
+    let at = |alpha: f64| {
+        let above = measured.partition_point(|(width, _)| *width < alpha);
+        match (above.checked_sub(1).and_then(|below| measured.get(below)), measured.get(above)) {
+            (Some((low, a)), Some((high, b))) => a + (b - a) * (alpha - low) / (high - low),
+            (None, Some((_, size))) | (Some((_, size)), None) => *size,
+            (None, None) => 0.0,
+        }
+    };
+    let rough = scene.materials.values().filter_map(|Material { name, bsdf }| match bsdf {
+        Bsdf::Dielectric { interior: _, exterior: _, alpha } if *alpha > 0.0 => Some((name, *alpha)),
+        Bsdf::Dielectric { interior: _, exterior: _, alpha: _ }
+        | Bsdf::Diffuse { reflectance: _ }
+        | Bsdf::Conductor { eta: _, k: _, alpha: _ }
+        | Bsdf::Mirror { reflectance: _ }
+        | Bsdf::Plastic { reflectance: _, ior: _, alpha: _ }
+        | Bsdf::Principled { base: _, metallic: _, roughness: _, ior: _ } => None,
+    });
+    let (name, alpha) = rough.max_by(|a, b| at(a.1).total_cmp(&at(b.1)))?;
+    let what = format!(
+        "of the light from a ball of `{name}` of `alpha` {alpha} and index 1.5 under even light, against Mitsuba 3, by what was measured up to \
+         0.95 of its radius"
+    );
+    Some(Bound { size: at(alpha), what })
 }
 
 /// How far off the targets are whose masking and shadowing are correlated by height.
@@ -139,6 +171,23 @@ mod tests {
         })
         .expect("a metal");
         assert!((0.02..0.2).contains(&schlick.size) && schlick.what.contains("`gold`"), "{schlick:?}");
+    }
+
+    #[test]
+    fn glass_is_as_far_off_as_was_measured() {
+        let measured = [(0.1, 0.02), (0.5, 0.1), (1.0, 0.6)];
+        let of = |alpha: f64| {
+            let mut scene = sample::empty("s");
+            for (at, alpha) in [0.0, alpha].into_iter().enumerate() {
+                let name = format!("glass {at}");
+                sample::material(&mut scene, &name, Bsdf::Dielectric { interior: 1.5, exterior: 1.0, alpha });
+            }
+            of_glass(&scene, &measured)
+        };
+        let close = |alpha: f64, size: f64| (of(alpha).expect("rough glass").size - size).abs() < 1e-12;
+        assert!(close(0.01, 0.02) && close(0.1, 0.02) && close(0.3, 0.06) && close(0.75, 0.35) && close(1.0, 0.6));
+        assert_eq!(of(0.0), None);
+        assert!(of(0.3).expect("rough glass").what.contains("`glass 1` of `alpha` 0.3"));
     }
 
     #[test]

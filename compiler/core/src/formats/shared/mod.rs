@@ -4,6 +4,7 @@
 pub mod bounds;
 pub mod camera;
 pub mod coat;
+pub mod filter;
 pub mod fresnel;
 pub mod microfacet;
 pub mod names;

@@ -5,7 +5,7 @@
 
 use crate::diag::Finding;
 use crate::files::VPath;
-use crate::ir::{Affine, ImageFile, Vec3};
+use crate::ir::{Affine, Filter, ImageFile, Vec3};
 use crate::mesh::Geometry;
 
 /// Linear red, green and blue.
@@ -16,6 +16,8 @@ pub type Rgb = [f64; 3];
 pub struct Reading {
     /// Width and height in pixels.
     pub film: Option<[u32; 2]>,
+    /// The reconstruction filter as the parameters mean it; none where the format has no word for it.
+    pub filter: Option<Filter>,
     /// Segments of a path, the camera's and the light's included.
     pub max_depth: Option<u32>,
     /// The camera.

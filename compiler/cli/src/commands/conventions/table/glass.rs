@@ -73,6 +73,37 @@ pub(super) const ROWS: &[Convention] = &[
             },
         ]
     ),
+    convention!(
+        "rough_glass_furnace",
+        &[Feature::RoughDielectric],
+        &[
+            View {
+                name: "alpha 0.1",
+                set: &[("alpha", "0.1")],
+                ..View::plain(&[specks("middle", MIDDLE, 0.9837), specks("whole image", Region::ALL, 0.9551),])
+            },
+            View {
+                name: "alpha 0.3",
+                set: &[("alpha", "0.3")],
+                ..View::plain(&[ball("middle", MIDDLE, 0.8601), ball("whole image", Region::ALL, 0.8019),])
+            },
+            View {
+                name: "alpha 0.5",
+                set: &[("alpha", "0.5")],
+                ..View::plain(&[ball("middle", MIDDLE, 0.6853), ball("whole image", Region::ALL, 0.6755),])
+            },
+            View {
+                name: "alpha 0.8",
+                set: &[("alpha", "0.8")],
+                ..View::plain(&[ball("middle", MIDDLE, 0.4657), ball("whole image", Region::ALL, 0.5510),])
+            },
+            View {
+                name: "alpha 1",
+                set: &[("alpha", "1")],
+                ..View::plain(&[ball("middle", MIDDLE, 0.3642), ball("whole image", Region::ALL, 0.4967),])
+            },
+        ]
+    ),
 ];
 
 /// The middle of a slab: four of eight columns, four of 32 rows, the slabs eight rows apart. 130 000 samples: a standard error of
@@ -102,5 +133,32 @@ const fn room(expected: Expected, known: &'static [Known]) -> Check {
             expected,
             Tolerance::Share(0.08),
         )
+    }
+}
+
+/// Of 32 pixels eight by eight: 16 000 samples.
+const MIDDLE: Region = area(0.375, 0.625, 0.375, 0.625);
+
+const fn ball(name: &'static str, region: Region, value: f64) -> Check {
+    Check {
+        rests_on: &[Feature::RoughDielectric],
+        ..check(
+            name,
+            Measure::Mean(region, Channel::All),
+            Expected::Reference { value, by: "Mitsuba 3.9.1, 1024 samples" },
+            Tolerance::Share(0.012),
+        )
+    }
+}
+
+/// Where LuxCore's samples have heavy tails.
+const fn specks(name: &'static str, region: Region, value: f64) -> Check {
+    Check {
+        known: &[Known {
+            target: Some("luxcore"),
+            by: By::Feature(Feature::RoughDielectric, "specks that made single tiles 2.4 times as bright"),
+            within: Within::Ratio(0.95, 2.43),
+        }],
+        ..ball(name, region, value)
     }
 }

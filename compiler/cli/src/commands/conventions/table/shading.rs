@@ -97,6 +97,25 @@ pub(super) const ROWS: &[Convention] = &[
             View { name: "10000 away", set: &[("away", "10000"), ("window", "6")], ..View::plain(CORNER) },
         ]
     ),
+    convention!(
+        "coplanar_squares",
+        &[Feature::Diffuse],
+        &[
+            View {
+                name: "in one plane",
+                set: &[("gap", "0")],
+                ..View::plain(&[Check {
+                    known: &[Known {
+                        target: Some("cycles"),
+                        by: By::Rule("overlapping-faces"),
+                        within: Within::Ratio(0.0, 0.1),
+                    }],
+                    ..SQUARE
+                }])
+            },
+            View { name: "a little apart", set: &[("gap", "0.0001")], ..View::plain(&[SQUARE]) },
+        ]
+    ),
 ];
 
 /// Two rows in the middle of a plate, the plates four rows apart.
@@ -104,6 +123,9 @@ const fn turned(name: &'static str, at: usize) -> Check {
     let top = 5.0 + 4.0 * at as f64;
     interpolated(name, area(0.375, 0.625, top / 32.0, (top + 2.0) / 32.0))
 }
+/// 65 000 samples: a standard error of 0.2 % at most.
+const SQUARE: Check =
+    check("albedo", Measure::Mean(Region::ALL, Channel::All), Expected::Number(0.8), Tolerance::Share(0.01));
 
 const fn interpolated(name: &'static str, region: Region) -> Check {
     check(name, Measure::Mean(region, Channel::All), Expected::Ideal, Tolerance::Share(5e-3))
