@@ -1,57 +1,9 @@
-//! What all mesh files have in common once they are decoded: finite numbers, unit normals, polygons cut into triangles.
+//! What all mesh files have in common once they are decoded: finite numbers, unit normals.
 
+pub(super) use super::polygons::Faces;
 use super::{FileError, Note, plural};
 use crate::ir::normalized;
 use crate::mesh::{Geometry, faceted, is_unit};
-
-/// Polygons on their way to triangles.
-#[derive(Default)]
-pub(super) struct Faces {
-    pub triangles: Vec<[u32; 3]>,
-    /// Faces of more than three corners.
-    polygons: u64,
-    /// Faces of fewer than three corners, and where the first one is.
-    small: u64,
-    first_small: Option<String>,
-}
-
-impl Faces {
-    /// Adds a polygon as a fan around its first corner.
-    pub fn push(&mut self, corners: &[u32], place: impl FnOnce() -> String) {
-        match corners {
-            [a, b, c] => self.triangles.push([*a, *b, *c]),
-            [] | [_] | [_, _] => {
-                self.small += 1;
-                self.first_small.get_or_insert_with(place);
-            }
-            [first, rest @ ..] => {
-                self.polygons += 1;
-                self.triangles.extend(rest.windows(2).map(|pair| [*first, pair[0], pair[1]]));
-            }
-        }
-    }
-
-    /// The triangles; what was changed is added to `notes`.
-    ///
-    /// # Errors
-    /// No triangles.
-    pub fn finish(self, notes: &mut Vec<Note>) -> Result<Vec<[u32; 3]>, FileError> {
-        if let Some(place) = self.first_small {
-            let message = format!("{} with fewer than 3 corners left out", plural(self.small, "face"));
-            notes.push(Note::warn(place, message));
-        }
-        if self.polygons > 0 {
-            let message = format!("{} with more than 3 corners cut into triangles", plural(self.polygons, "face"));
-            let help = "cut them in the program that made the file if they are not convex";
-            notes.push(Note::info("", message).help(help));
-        }
-        if self.triangles.is_empty() {
-            return Err(FileError::new("", "the file has no triangles")
-                .help("a mesh needs faces; points, lines and triangle strips cannot be used"));
-        }
-        Ok(self.triangles)
-    }
-}
 
 /// Checks the numbers of a geometry whose indices are in range, and normalises its normals. `place` says where a vertex
 /// stands in the file.
@@ -110,7 +62,7 @@ pub(super) fn finish(
     }
     if let (many @ 1.., first) = changed {
         let message = format!("{} brought to unit length", plural(many, "normal"));
-        notes.push(Note { lengths: true, ..Note::warn(place(first), message) });
+        notes.push(Note::lengths(place(first), message));
     }
     if let (many @ 1.., first) = unused {
         let normals = plural(many, "normal");
@@ -125,7 +77,7 @@ pub(super) fn flat(geometry: Geometry, notes: &mut Vec<Note>) -> Result<Geometry
     let (made, dropped) = faceted(geometry).map_err(|error| FileError::new("", error.message))?;
     if dropped > 0 {
         let message = format!("{} without area left out", plural(dropped as u64, "triangle"));
-        notes.push(Note::info("", message));
+        notes.push(Note::baked("", message));
     }
     Ok(made)
 }

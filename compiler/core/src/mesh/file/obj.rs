@@ -6,8 +6,9 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::str::FromStr;
 
-use super::finish::{Faces, finish};
+use super::finish::finish;
 use super::model::{Model, Part, Surface, Unique};
+use super::polygons::{Cut, Faces};
 use super::{Beside, FileError, Note, missing_part, mtl, plural};
 use crate::ir::Affine;
 use crate::mesh::Geometry;
@@ -87,6 +88,8 @@ struct Reader<'a> {
     /// What is not read: for each reason the first line and how often.
     unread: BTreeMap<&'static str, (usize, u64)>,
     unknown: Option<(usize, String, u64)>,
+    /// The first line with a color behind a position, and how many there are.
+    colors: Option<(usize, u64)>,
     smoothing: Option<usize>,
     /// Whether the faces are to be told apart by their material, the current one, and whether anything that tells them
     /// apart has changed since the last face.
@@ -233,7 +236,7 @@ impl Reader<'_> {
                     self.skip("weights of rational curves, the fourth number of a position, are not read", number);
                 }
             }
-            (Some(_), _) => self.skip("vertex colours are not read", number),
+            (Some(_), _) => self.colors.get_or_insert((number, 0)).1 += 1,
         }
         Ok(())
     }
@@ -350,7 +353,10 @@ impl Reader<'_> {
     /// Notes what was not read.
     fn say(&self, notes: &mut Vec<Note>) {
         for (reason, (line, _)) in &self.unread {
-            notes.push(Note::info(format!("line {line}"), *reason));
+            notes.push(Note::dropped(format!("line {line}"), *reason).slight());
+        }
+        if let Some((line, count)) = self.colors {
+            notes.push(Note::dropped(format!("line {line}"), "not read").counting(count, "vertex color"));
         }
         if let Some((line, word, count)) = &self.unknown {
             let message = format!("{} not understood, the first is `{word}`", plural(*count, "line"));
@@ -358,10 +364,16 @@ impl Reader<'_> {
         }
     }
 
+    /// The triangles of all faces.
+    fn cut(&mut self, notes: &mut Vec<Note>) -> Result<Cut, FileError> {
+        let faces = std::mem::take(&mut self.faces);
+        faces.finish(|corner| self.positions[self.corners[corner as usize][0] as usize], notes)
+    }
+
     fn finish(mut self, bytes: &[u8]) -> Result<(Geometry, Vec<Note>), FileError> {
         let mut notes = Vec::new();
         self.say(&mut notes);
-        let triangles = std::mem::take(&mut self.faces).finish(&mut notes)?;
+        let triangles = self.cut(&mut notes)?.triangles;
         let mut newest = vec![NONE; self.positions.len()];
         let geometry = self.build(&triangles, &mut newest, bytes, &mut notes)?;
         Ok((geometry, notes))
@@ -375,13 +387,14 @@ impl Reader<'_> {
         mut notes: Vec<Note>,
     ) -> Result<(Model, Vec<Note>), FileError> {
         self.say(&mut notes);
-        let triangles = std::mem::take(&mut self.faces).finish(&mut notes)?;
+        let cut = self.cut(&mut notes)?;
+        let triangles = &cut.triangles;
         // The triangles of each part and material, in the order in which these come first.
         let mut ranks = BTreeMap::new();
         let mut parts: Vec<(&Run, Vec<[u32; 3]>)> = Vec::new();
         for (at, run) in self.runs.iter().enumerate() {
-            let end = self.runs.get(at + 1).map_or(triangles.len(), |next| next.first);
-            let own = &triangles[run.first.min(end)..end];
+            let end = self.runs.get(at + 1).map_or(triangles.len(), |next| cut.place(next.first));
+            let own = &triangles[cut.place(run.first).min(end)..end];
             if own.is_empty() {
                 continue;
             }

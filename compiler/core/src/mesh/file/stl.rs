@@ -7,7 +7,8 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::finish::{Faces, finish, flat};
+use super::finish::{finish, flat};
+use super::polygons::Faces;
 use super::{FileError, Note, missing_part, plural, shown};
 use crate::ir::{Vec3, cross, dot, sub};
 use crate::mesh::{Geometry, face_normal};
@@ -95,7 +96,7 @@ fn binary(bytes: &[u8]) -> Result<(Geometry, Vec<Note>), FileError> {
         (positions, all.clone().filter(against).count(), all.into_par_iter().any(|facet| marked(&facet)))
     };
     if colours {
-        notes.push(Note::info("", "attributes of facets, such as colours, are not read"));
+        notes.push(Note::dropped("", "attributes of facets, such as colors, are not read"));
     }
     note_turned(turned as u64, &mut notes);
     let triangles = (0..claimed).map(|at| [3 * at, 3 * at + 1, 3 * at + 2]).collect();
@@ -174,7 +175,7 @@ fn text(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<Note>), FileE
         notes.push(Note::warn("", "the last `solid` has no `endsolid`").help("is the file cut off?"));
     }
     note_turned(turned, &mut notes);
-    let triangles = faces.finish(&mut notes)?;
+    let triangles = faces.finish(|vertex| positions[vertex as usize], &mut notes)?.triangles;
     let mut geometry = Geometry { positions, normals: None, uvs: None, triangles };
     finish(&mut geometry, &mut notes, |_| String::new())?;
     Ok((flat_soup(geometry, &mut notes)?, notes))

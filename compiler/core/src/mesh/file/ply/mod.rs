@@ -9,7 +9,8 @@ mod fast;
 mod general;
 mod header;
 
-use super::finish::{Faces, finish};
+use super::finish::finish;
+use super::polygons::Faces;
 use super::{FileError, Note, shown};
 use crate::diag::nearest;
 use crate::mesh::Geometry;
@@ -63,7 +64,7 @@ fn read_by(bytes: &[u8], fast: bool) -> Result<(Geometry, Vec<Note>), FileError>
         Encoding::Little | Encoding::Big => general::read(&file, &mut notes, fast)?,
     };
     let Vertices { positions, normals, uvs } = vertices;
-    let triangles = faces.finish(&mut notes)?;
+    let triangles = faces.finish(|vertex| positions[vertex as usize], &mut notes)?.triangles;
     let mut geometry = Geometry { positions, normals, uvs, triangles };
     finish(&mut geometry, &mut notes, |vertex| file.place_of_vertex(vertex))?;
     Ok((geometry, notes))
@@ -204,33 +205,43 @@ fn layout(header: &Header, notes: &mut Vec<Note>) -> Result<Layout, FileError> {
     Ok(layout)
 }
 
+/// Whether a property that is not read could be seen in an image: colors, texture coordinates, normals.
+fn is_seen(name: &str) -> bool {
+    let name = name.to_ascii_lowercase();
+    let whole = ["r", "g", "b", "a", "s", "t", "u", "v", "nx", "ny", "nz"];
+    let parts = ["red", "green", "blue", "alpha", "color", "colour", "tex", "normal", "opacity"];
+    whole.contains(&name.as_str()) || parts.iter().any(|part| name.contains(part))
+}
+
 /// A note on every property and element that is not read.
 fn unread(header: &Header, layout: &Layout, notes: &mut Vec<Note>) {
     for (at, element) in header.elements.iter().enumerate() {
         let place = format!("line {}", element.line);
+        if element.count == 0 {
+            continue;
+        }
         if at != layout.vertex && at != layout.face {
-            if element.count > 0 {
-                notes.push(Note::info(place, format!("element `{}` is not read", shown(&element.name))));
-            }
+            notes.push(Note::dropped(place, format!("element `{}` is not read", shown(&element.name))).slight());
             continue;
         }
         let read = |property: usize| {
             if at == layout.vertex { layout.columns.contains(&Some(property)) } else { property == layout.corners }
         };
-        let names: Vec<String> = element
-            .properties
-            .iter()
-            .enumerate()
-            .filter(|(property, _)| !read(*property))
-            .map(|(_, property)| format!("`{}`", shown(&property.name)))
-            .collect();
-        if names.is_empty() {
-            continue;
+        let unread = element.properties.iter().enumerate().filter(|(property, _)| !read(*property));
+        let (seen, other): (Vec<&str>, Vec<&str>) =
+            unread.map(|(_, property)| property.name.as_str()).partition(|name| is_seen(name));
+        for (names, is_seen) in [(seen, true), (other, false)] {
+            if names.is_empty() {
+                continue;
+            }
+            let listed: Vec<String> = names.iter().take(12).map(|name| format!("`{}`", shown(name))).collect();
+            let more = if names.len() > 12 { ", ..." } else { "" };
+            let (noun, verb) = if names.len() == 1 { ("property", "is") } else { ("properties", "are") };
+            let message =
+                format!("the {noun} {}{more} of element `{}` {verb} not read", listed.join(", "), shown(&element.name));
+            let note = Note::dropped(place.clone(), message);
+            notes.push(if is_seen { note } else { note.slight() });
         }
-        let listed = names[..names.len().min(12)].join(", ");
-        let more = if names.len() > 12 { ", ..." } else { "" };
-        let message = format!("of element `{}` the properties {listed}{more} are not read", shown(&element.name));
-        notes.push(Note::info(place, message));
     }
 }
 

@@ -103,6 +103,13 @@ fn write(encoding: Encoding, tables: &[Table], newline: &str) -> Vec<u8> {
     out
 }
 
+/// The triangles of faces, which is not what is tested here.
+fn cut(positions: &[[f32; 3]], faces: impl Iterator<Item = Vec<u32>>) -> Vec<[u32; 3]> {
+    let mut all = Faces::default();
+    faces.for_each(|face| all.push(&face, String::new));
+    all.finish(|vertex| positions[vertex as usize], &mut Vec::new()).expect("triangles").triangles
+}
+
 /// A mesh and the ways to write it.
 #[derive(Clone, Debug)]
 struct Sample {
@@ -178,14 +185,11 @@ impl Sample {
 
     fn geometry(&self) -> Geometry {
         let count = self.positions.len();
-        let fan = |face: &Vec<u32>| -> Vec<[u32; 3]> {
-            (2..face.len()).map(|at| [face[0], face[at - 1], face[at]]).collect()
-        };
         Geometry {
             positions: self.positions.clone(),
             normals: self.normals.then(|| (0..count).map(Self::normal).collect()),
             uvs: self.uvs.map(|_| (0..count).map(Self::uv).collect()),
-            triangles: self.faces.iter().flat_map(fan).collect(),
+            triangles: cut(&self.positions, self.faces.iter().cloned()),
         }
     }
 }
@@ -280,12 +284,11 @@ proptest! {
                 let [x, y, z] = ["x", "y", "z"].map(|name| vertex[name].to_f32_lossy().expect("a number"));
                 prop_assert_eq!([x, y, z].map(f32::to_bits), position.map(f32::to_bits));
             }
-            let faces = theirs.payload["face"].iter().flat_map(|face| {
+            let faces = theirs.payload["face"].iter().map(|face| {
                 let name = if sample.extra { "vertex_indices" } else { "vertex_index" };
-                let face = face[name].to_u32_list().expect("integers");
-                (2..face.len()).map(|at| [face[0], face[at - 1], face[at]]).collect::<Vec<_>>()
+                face[name].to_u32_list().expect("integers")
             });
-            prop_assert!(faces.eq(geometry.triangles.iter().copied()));
+            prop_assert_eq!(cut(&geometry.positions, faces), geometry.triangles);
         }
     }
 
@@ -508,7 +511,17 @@ fn what_is_not_read_is_said() {
     let text = TRIANGLE.replace("property float z", "property float z\nproperty uchar red\nproperty uchar green");
     let text = text.replace("0 0 0\n1 0 0\n0 1 0\n", "0 0 0 1 2\n1 0 0 3 4\n0 1 0 5 6\n");
     let notes = read(text.as_bytes()).expect("a good file").1;
-    assert_eq!(notes[0].message, "of element `vertex` the properties `red`, `green` are not read");
+    assert_eq!(notes[0].message, "the properties `red`, `green` of element `vertex` are not read");
+    assert_eq!(
+        (notes[0].fate.code(), notes[0].severity, notes[0].place.as_str()),
+        ("loss-dropped", Severity::Warn, "line 3")
+    );
+    let text = TRIANGLE.replace("property list", "property uchar flags\nproperty list").replace("\n3 0", "\n9 3 0");
+    let notes = read(text.as_bytes()).expect("a good file").1;
+    assert_eq!(
+        (notes[0].message.as_str(), notes[0].severity),
+        ("the property `flags` of element `face` is not read", Severity::Info)
+    );
 }
 
 #[test]
