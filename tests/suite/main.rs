@@ -13,6 +13,7 @@ mod geometry;
 mod gltf;
 mod golden;
 mod ledger;
+mod losses;
 mod micro;
 mod mitsuba;
 mod mutations;

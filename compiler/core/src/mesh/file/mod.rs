@@ -12,6 +12,7 @@ mod obj;
 mod ply;
 mod polygons;
 mod stl;
+mod text;
 
 use std::fmt;
 

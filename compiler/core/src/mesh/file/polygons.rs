@@ -409,10 +409,12 @@ impl Room {
         for face in plane.inner_faces() {
             let [a, b, c] = face.vertices().map(|vertex| first[vertex.index()]);
             match around[face.index()] {
-                Some(1..) => self.made.push([a, b, c]),
+                Some(1) => self.made.push([a, b, c]),
                 // A loop that runs the other way around.
-                Some(..0) => self.made.push([a, c, b]),
+                Some(-1) => self.made.push([a, c, b]),
                 Some(0) | None => {}
+                // It lies on itself.
+                Some(_) => return false,
             }
         }
         !self.made.is_empty() && self.made.len() <= self.corners.len() - 2

@@ -9,6 +9,7 @@ use rayon::prelude::*;
 
 use super::finish::{finish, flat};
 use super::polygons::Faces;
+use super::text::{text, without_mark};
 use super::{FileError, Note, missing_part, plural, shown};
 use crate::ir::{Vec3, cross, dot, sub};
 use crate::mesh::{Geometry, face_normal};
@@ -28,7 +29,7 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<No
         return Err(FileError::new("", "the file is empty"));
     }
     if is_text(bytes) {
-        return text(bytes, part);
+        return read_text(&text(bytes)?, part);
     }
     match part {
         None => binary(bytes),
@@ -42,7 +43,7 @@ pub(super) fn parts(bytes: &[u8]) -> Result<Vec<String>, FileError> {
         return Ok(Vec::new());
     }
     let mut reader = Text { selected: true, ..Text::default() };
-    reader.run(bytes)?;
+    reader.run(&text(bytes)?)?;
     Ok(reader.names())
 }
 
@@ -50,7 +51,7 @@ pub(super) fn parts(bytes: &[u8]) -> Result<Vec<String>, FileError> {
 fn is_text(bytes: &[u8]) -> bool {
     let fits = count(bytes).is_some_and(|count| bytes.len() as u64 == HEAD as u64 + u64::from(count) * FACET as u64);
     let binary = fits || bytes[..bytes.len().min(512)].contains(&0);
-    !binary && bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+    !binary && without_mark(bytes).trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
 }
 
 fn count(bytes: &[u8]) -> Option<u32> {
@@ -96,7 +97,13 @@ fn binary(bytes: &[u8]) -> Result<(Geometry, Vec<Note>), FileError> {
         (positions, all.clone().filter(against).count(), all.into_par_iter().any(|facet| marked(&facet)))
     };
     if colours {
-        notes.push(Note::dropped("", "attributes of facets, such as colors, are not read"));
+        // Magics says so in its title, VisCAM in the highest bit of each color; what else stands there is no image.
+        let title = bytes[..HEAD - 4].windows(6).any(|word| word == b"COLOR=");
+        notes.push(if title || facets.iter().any(|facet| facet[49] >= 128) {
+            Note::dropped("", "the colors of facets are not read")
+        } else {
+            Note::dropped("", "the attributes of facets are not read").slight()
+        });
     }
     note_turned(turned as u64, &mut notes);
     let triangles = (0..claimed).map(|at| [3 * at, 3 * at + 1, 3 * at + 2]).collect();
@@ -157,7 +164,7 @@ fn note_turned(turned: u64, notes: &mut Vec<Note>) {
     }
 }
 
-fn text(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<Note>), FileError> {
+fn read_text(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<Note>), FileError> {
     let mut reader = Text { part, selected: part.is_none(), ..Text::default() };
     reader.run(bytes)?;
     if let Some(part) = part
@@ -169,7 +176,7 @@ fn text(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<Note>), FileE
     let mut notes = Vec::new();
     if let Some((line, word, count)) = unknown {
         let message = format!("{} not understood, the first is `{word}`", plural(count, "line"));
-        notes.push(Note::warn(format!("line {line}"), message).help("is this an STL file?"));
+        notes.push(Note::dropped(format!("line {line}"), message).help("is this an STL file?"));
     }
     if open {
         notes.push(Note::warn("", "the last `solid` has no `endsolid`").help("is the file cut off?"));
@@ -302,6 +309,7 @@ fn three<'w>(words: &mut impl Iterator<Item = &'w [u8]>, line: usize, what: &str
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diag::Severity;
     use proptest::prelude::*;
 
     const TEXT: &str = "solid left one
@@ -354,7 +362,12 @@ endsolid right
         ];
         assert_eq!(read(&file(&facets), None).expect("a good file"), (text.clone(), notes.clone()));
         let windows = TEXT.replace('\n', "\r\n").replace("facet", "FACET");
-        assert_eq!(read(windows.as_bytes(), None), Ok((text, notes)));
+        assert_eq!(read(windows.as_bytes(), None), Ok((text.clone(), notes)));
+        // With a mark, and with line ends of old systems.
+        for other in [format!("\u{feff}{TEXT}"), TEXT.replace('\n', "\r")] {
+            assert_eq!(read(other.as_bytes(), None).expect("a good file").0, text);
+            assert_eq!(parts(other.as_bytes()).map(|names| names.len()), Ok(2));
+        }
         // Enough for several threads.
         let many = vec![facets[0]; WORTH_THREADS * 3];
         let (many, notes) = read(&file(&many), None).expect("a good file");
@@ -368,6 +381,28 @@ endsolid right
         assert_eq!((right.positions.len(), right.positions[0]), (3, [5.0, 0.0, 1.0]));
         assert!(fault(TEXT.as_bytes(), Some("rigth")).contains("no solid `rigth`"));
         assert!(fault(&file(&[[[0.0; 3]; 4]]), Some("a")).contains("has no parts"));
+    }
+
+    #[test]
+    fn colors_of_facets_are_told() {
+        let facet = [[0.0; 3], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let told = |change: &dyn Fn(&mut Vec<u8>)| {
+            let mut bytes = file(&[facet]);
+            change(&mut bytes);
+            let notes = read(&bytes, None).expect("a good file").1;
+            notes.into_iter().map(|note| (note.severity, note.message)).collect::<Vec<_>>()
+        };
+        let colors = |severity, message: &str| [(severity, message.to_owned())];
+        assert_eq!(told(&|_| {}), []);
+        let some = "the attributes of facets are not read";
+        assert_eq!(told(&|bytes| bytes[132] = 7), colors(Severity::Info, some));
+        let painted = "the colors of facets are not read";
+        assert_eq!(told(&|bytes| bytes[133] = 0x80), colors(Severity::Warn, painted));
+        let magics = |bytes: &mut Vec<u8>| {
+            bytes[10..16].copy_from_slice(b"COLOR=");
+            bytes[132] = 7;
+        };
+        assert_eq!(told(&magics), colors(Severity::Warn, painted));
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::str::FromStr;
 
 use super::header::{Element, Kind};
-use super::{COLUMNS, Faces, File, FileError, Note, Vertices, shown, too_short, wrong_index};
+use super::{COLUMNS, Faces, File, FileError, List, Note, Vertices, add, shown, too_short};
 
 /// Reads the elements after the header.
 pub(super) fn read(file: &File<'_>, notes: &mut Vec<Note>) -> Result<(Vertices, Faces), FileError> {
@@ -23,8 +23,8 @@ pub(super) fn read(file: &File<'_>, notes: &mut Vec<Note>) -> Result<(Vertices, 
         }
         if at == file.layout.vertex {
             vertices = read_vertices(file, element, &mut lines)?;
-        } else if at == file.layout.face {
-            read_faces(file, element, &mut lines, &mut faces)?;
+        } else if let Some(list) = file.layout.list(at) {
+            read_lists(file, list, &mut lines, &mut faces)?;
         } else {
             for item in 0..element.count {
                 lines.next(element, item)?;
@@ -68,7 +68,8 @@ fn read_vertices(file: &File<'_>, element: &Element, lines: &mut Lines<'_>) -> R
     Ok(vertices)
 }
 
-fn read_faces(file: &File<'_>, element: &Element, lines: &mut Lines<'_>, faces: &mut Faces) -> Result<(), FileError> {
+fn read_lists(file: &File<'_>, list: List, lines: &mut Lines<'_>, faces: &mut Faces) -> Result<(), FileError> {
+    let element = &file.header.elements[list.element];
     let room = element.count.min(lines.rest.len() as u64 / 8);
     faces.triangles.reserve(room as usize);
     let mut corners: Vec<u32> = Vec::new();
@@ -77,21 +78,13 @@ fn read_faces(file: &File<'_>, element: &Element, lines: &mut Lines<'_>, faces: 
         let number = lines.number;
         let mut words = Words::new(line);
         for (at, property) in element.properties.iter().enumerate() {
-            if at != file.layout.corners {
+            if at != list.property {
                 words.skip(property.kind, number, &property.name)?;
                 continue;
             }
-            corners.clear();
-            for _ in 0..words.length(number, &property.name)? {
-                let index: i64 = words.number(number, &property.name)?;
-                match u32::try_from(index) {
-                    Ok(corner) if (corner as usize) < file.layout.vertices => corners.push(corner),
-                    Ok(_) | Err(_) => {
-                        return Err(wrong_index(format!("line {number}"), index, file.layout.vertices));
-                    }
-                }
-            }
-            faces.push(&corners, || format!("line {number}"));
+            let length = words.length(number, &property.name)?;
+            let indices = (0..length).map(|_| words.number(number, &property.name));
+            add(list, indices, file.layout.vertices, &mut corners, faces, || format!("line {number}"))?;
         }
         words.end(number, element)?;
     }
