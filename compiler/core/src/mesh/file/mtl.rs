@@ -123,12 +123,12 @@ impl Materials {
 impl Entry {
     fn statement(&mut self, keyword: &[u8], rest: &[u8], place: &dyn Fn() -> String, notes: &mut Vec<Note>) {
         let name = String::from_utf8_lossy(&keyword[..keyword.len().min(40)]).into_owned();
-        let mut color = || color(&name, rest, place, notes);
+        let color = |notes: &mut Vec<Note>| color(&name, rest, place, notes);
         match keyword.to_ascii_lowercase().as_slice() {
-            b"kd" => self.kd = color().or(self.kd),
-            b"ks" => self.ks = color().or(self.ks),
-            b"ke" => self.ke = color().or(self.ke),
-            b"tf" => self.filter = color().or(self.filter),
+            b"kd" => self.kd = color(notes).map(|kd| share(&name, kd, place, notes)).or(self.kd),
+            b"ks" => self.ks = color(notes).map(|ks| share(&name, ks, place, notes)).or(self.ks),
+            b"ke" => self.ke = color(notes).or(self.ke),
+            b"tf" => self.filter = color(notes).or(self.filter),
             b"ni" => self.ni = number(&name, rest, place, notes).or(self.ni),
             b"d" => {
                 let halo = rest.strip_prefix(b"-halo");
@@ -258,6 +258,15 @@ fn value(word: &[u8]) -> Option<f64> {
 /// Notes a value that is not read, or not all of it.
 fn unfit(name: &str, what: &str, place: &dyn Fn() -> String, notes: &mut Vec<Note>) {
     notes.push(Note::dropped(place(), format!("of `{}` {what}", shown(name))).counting(1, "value"));
+}
+
+/// A reflectance, which is 1 at most: a surface that sends out more than it gets is none.
+fn share(name: &str, color: Vec3, place: &dyn Fn() -> String, notes: &mut Vec<Note>) -> Vec3 {
+    if color.iter().any(|part| *part > 1.0) {
+        let message = format!("of `{}` held to 1, the most that a surface reflects", shown(name));
+        notes.push(Note::approximated(place(), message).counting(1, "value").grave());
+    }
+    color.map(|part| part.min(1.0))
 }
 
 fn number(name: &str, rest: &[u8], place: &dyn Fn() -> String, notes: &mut Vec<Note>) -> Option<f64> {

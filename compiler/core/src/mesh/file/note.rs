@@ -95,6 +95,13 @@ impl Note {
         self
     }
 
+    /// What is seen in an image: a warning.
+    #[must_use]
+    pub(super) fn grave(mut self) -> Self {
+        self.severity = Severity::Warn;
+        self
+    }
+
     /// Puts `3 faces` before the message. The counts of notes that are equal otherwise are added up.
     #[must_use]
     pub(super) fn counting(mut self, count: u64, what: &'static str) -> Self {

@@ -18,6 +18,9 @@ use crate::ir::{Vec3, cross, dot, sub};
 /// How far a polygon may be out of its plane, as a share of its size, before that is said.
 const FLAT: f64 = 1e-3;
 
+/// How much of its area a polygon may lose by rounding.
+const SAME: f64 = 1e-9;
+
 /// Faces on their way to triangles.
 #[derive(Default)]
 pub(super) struct Faces {
@@ -153,11 +156,16 @@ fn cut(mut triangles: Vec<[u32; 3]>, polygons: &[Run], position: &impl Fn(u32) -
         read = run.first;
         let size = run.corners - 2;
         for _ in 0..run.count {
-            let fan = &triangles[read..read + size];
-            room.corners.clear();
-            room.corners.extend_from_slice(&fan[0][..2]);
-            room.corners.extend(fan.iter().map(|triangle| triangle[2]));
-            match room.cut(position, told) {
+            let way = match triangles[read..read + size] {
+                [[a, b, c], [_, _, d]] => room.quad([a, b, c, d], position, told),
+                ref fan => {
+                    room.corners.clear();
+                    room.corners.extend_from_slice(&fan[0][..2]);
+                    room.corners.extend(fan.iter().map(|triangle| triangle[2]));
+                    room.cut(position, told)
+                }
+            };
+            match way {
                 Way::Fan => shift(&mut triangles, read..read + size, &mut write),
                 Way::Made => {
                     let made = &room.made[..room.made.len().min(size)];
@@ -197,10 +205,8 @@ struct Room {
 }
 
 impl Room {
+    /// A polygon of more than four corners.
     fn cut(&mut self, position: &impl Fn(u32) -> [f32; 3], told: &mut Told) -> Way {
-        if let [a, b, c, d] = self.corners[..] {
-            return self.quad([a, b, c, d], position, told);
-        }
         self.points.clear();
         self.points.extend(self.corners.iter().map(|corner| position(*corner).map(f64::from)));
         let Some(normal) = self.flatten() else { return Way::Fan };
@@ -215,7 +221,7 @@ impl Room {
             self.made.extend((1..count - 1).map(|at| [corner(0), corner(at), corner(at + 1)]));
             return Way::Made;
         }
-        if self.delaunay() {
+        if self.delaunay(normal) {
             return Way::Made;
         }
         told.cross(position(self.corners[0]));
@@ -250,10 +256,13 @@ impl Room {
             self.made.extend([[b, c, d], [b, d, a]]);
             return Way::Made;
         }
-        let none = |area: Vec3| area == [0.0; 3];
-        if none(one) != none(two) {
-            // Two corners at one place.
-            self.made.push(if none(one) { [a, c, d] } else { [a, b, c] });
+        // Two corners at one place.
+        if p == q || q == r {
+            self.made.push([a, c, d]);
+            return Way::Made;
+        }
+        if r == s || s == p {
+            self.made.push([a, b, c]);
             return Way::Made;
         }
         if along < 0.0 && other < 0.0 {
@@ -340,19 +349,20 @@ impl Room {
         (0..count).find(|at| self.turns[(at + 1) % count] > 0.0 && self.turns[(at + count - 1) % count] > 0.0)
     }
 
-    /// Cuts any polygon that does not cross itself; it may touch itself, as those do that lead to a hole and back.
-    fn delaunay(&mut self) -> bool {
+    /// Cuts any polygon that does not cross itself; it may touch itself, as those do that lead to a hole and back. `normal` is that of
+    /// [`Room::flatten`].
+    fn delaunay(&mut self, normal: Vec3) -> bool {
         // One vertex for each place, in the order in which they come.
         let key = |point: &[f64; 2]| point.map(f64::to_bits);
         let mut known = BTreeMap::new();
         let mut vertices = Vec::new();
         let mut first = Vec::new();
         let mut ring = Vec::new();
-        for (point, corner) in self.flat.iter().zip(&self.corners) {
+        for (at, point) in self.flat.iter().enumerate() {
             let vertex = *known.entry(key(point)).or_insert(vertices.len());
             if vertex == vertices.len() {
                 vertices.push(Point2::new(point[0], point[1]));
-                first.push(*corner);
+                first.push(at);
             }
             if ring.last() != Some(&vertex) {
                 ring.push(vertex);
@@ -406,18 +416,29 @@ impl Room {
             }
         }
         self.made.clear();
+        let (mut sum, mut size) = ([0.0; 3], 0.0);
         for face in plane.inner_faces() {
             let [a, b, c] = face.vertices().map(|vertex| first[vertex.index()]);
-            match around[face.index()] {
-                Some(1) => self.made.push([a, b, c]),
+            let corners = match around[face.index()] {
+                Some(1) => [a, b, c],
                 // A loop that runs the other way around.
-                Some(-1) => self.made.push([a, c, b]),
-                Some(0) | None => {}
+                Some(-1) => [a, c, b],
+                Some(0) | None => continue,
                 // It lies on itself.
                 Some(_) => return false,
+            };
+            self.made.push(corners.map(|at| self.corners[at]));
+            let [a, b, c] = corners.map(|at| self.points[at]);
+            let twice = cross(sub(b, a), sub(c, a));
+            size += dot(twice, twice).sqrt();
+            for (sum, x) in sum.iter_mut().zip(twice) {
+                *sum += x;
             }
         }
-        !self.made.is_empty() && self.made.len() <= self.corners.len() - 2
+        // Of a polygon that is far from flat corners may coincide in the plane which do not in space.
+        let off = sub(sum, normal);
+        let same = dot(off, off).sqrt() <= SAME * size;
+        same && !self.made.is_empty() && self.made.len() <= self.corners.len() - 2
     }
 }
 

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::finish::{finish, flat};
 use super::polygons::Faces;
-use super::text::{text, without_mark};
+use super::text::{no_number, number, text, without_mark};
 use super::{FileError, Note, missing_part, plural, shown};
 use crate::ir::{Vec3, cross, dot, sub};
 use crate::mesh::{Geometry, face_normal};
@@ -297,11 +297,7 @@ fn three<'w>(words: &mut impl Iterator<Item = &'w [u8]>, line: usize, what: &str
         let Some(word) = words.next() else {
             return Err(FileError::new(place, format!("the {what} has too few numbers")));
         };
-        let number = std::str::from_utf8(word).ok().and_then(|word| word.parse::<f32>().ok());
-        number.ok_or_else(|| {
-            let word = String::from_utf8_lossy(&word[..word.len().min(200)]).into_owned();
-            FileError::new(place, format!("`{}` is no number", shown(&word)))
-        })
+        number(word).ok_or_else(|| no_number(place, word, ""))
     };
     Ok([next()?, next()?, next()?])
 }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::FileError;
+use super::{FileError, shown};
 
 /// The text without a byte order mark, with lines that end with a line feed.
 pub(super) fn text(bytes: &[u8]) -> Result<Cow<'_, [u8]>, FileError> {
@@ -46,6 +46,24 @@ pub(super) fn lines<E>(text: &[u8], mut take: impl FnMut(&[u8], usize) -> Result
     Ok(())
 }
 
+/// The number in a word, which may be infinite or NaN. Some programs write `-nan(ind)` and `1.#IND` for what is none.
+pub(super) fn number(word: &[u8]) -> Option<f32> {
+    if let Some(number) = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok()) {
+        return Some(number);
+    }
+    let digits = word.strip_prefix(b"-").unwrap_or(word);
+    let none = digits.get(..3).is_some_and(|start| start.eq_ignore_ascii_case(b"nan")) || digits.starts_with(b"1.#");
+    none.then_some(f32::NAN)
+}
+
+/// That a word is no number, with help where its comma is meant for a point.
+pub(super) fn no_number(place: String, word: &[u8], what: &str) -> FileError {
+    let shown = shown(&String::from_utf8_lossy(&word[..word.len().min(200)]));
+    let error = FileError::new(place, format!("`{shown}` is no number{what}"));
+    let point = word.iter().map(|byte| if *byte == b',' { b'.' } else { *byte }).collect::<Vec<_>>();
+    if number(&point).is_some() { error.help("write numbers with a point: `0.5`, not `0,5`") } else { error }
+}
+
 /// A name as it stands in a file that other programs wrote: without quotes, and of an absolute path the last part, which the file's
 /// folder may have.
 pub(super) fn file_name(name: &str) -> (&str, bool) {
@@ -66,6 +84,20 @@ mod tests {
         assert_eq!(text(b"v 1\rv 2\r").as_deref(), Ok(&b"v 1\nv 2\n"[..]));
         assert_eq!(text(b"v 1\r\nv 2\r\n").as_deref(), Ok(&b"v 1\r\nv 2\r\n"[..]));
         assert!(text(b"\xff\xfev\0").is_err());
+    }
+
+    #[test]
+    fn numbers_may_be_none() {
+        for none in ["nan", "NaN", "-nan(ind)", "1.#QNAN", "-1.#IND00"] {
+            assert!(number(none.as_bytes()).is_some_and(f32::is_nan), "{none}");
+        }
+        assert_eq!(
+            [&b"1e3"[..], b"+.5", b"x", b"1,5", b"", b"-"].map(number),
+            [Some(1e3), Some(0.5), None, None, None, None]
+        );
+        let error = no_number("line 1".to_owned(), b"0,5", "");
+        assert_eq!((error.message.as_str(), error.help.is_some()), ("`0,5` is no number", true));
+        assert_eq!(no_number(String::new(), b"a,b", "").help, None);
     }
 
     #[test]

@@ -90,6 +90,7 @@ fn one_bad_word_loses_one_value() {
             [0.8; 3],
         ),
         ("Kd xyz 1 1 1", "1 value of `Kd` not read, since they are in CIE XYZ (`xyz`)".to_owned(), [0.8; 3]),
+        ("Kd 2 0.5 0", "1 value of `Kd` held to 1, the most that a surface reflects".to_owned(), [1.0, 0.5, 0.0]),
         ("d nan", "1 value of `d` not read, which takes a number of 0 or more".to_owned(), [0.8; 3]),
         ("illum 2 # phong", String::new(), [0.8; 3]),
         ("illum 2 3", "1 value of `illum` cut off behind the first number".to_owned(), [0.8; 3]),

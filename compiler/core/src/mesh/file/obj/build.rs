@@ -11,6 +11,13 @@ use super::{Corner, MOST_COMPARED, NONE, Reader, Run, Unread, shown, words};
 use crate::ir::Affine;
 use crate::mesh::{Geometry, smooth_groups};
 
+/// The triangles of one part and material, and their smoothing groups.
+struct Gathered<'r> {
+    run: &'r Run,
+    triangles: Vec<[u32; 3]>,
+    groups: Vec<u32>,
+}
+
 impl Reader<'_> {
     /// Notes what was not read.
     fn say(&self, notes: &mut Vec<Note>) {
@@ -75,9 +82,9 @@ impl Reader<'_> {
         self.say(&mut notes);
         let cut = self.cut(&mut notes)?;
         let (triangles, groups) = (&cut.triangles, self.groups(&cut));
-        // The triangles of each part and material, in the order in which these come first, and their smoothing groups.
+        // In the order in which parts and materials come first.
         let mut ranks = BTreeMap::new();
-        let mut parts: Vec<(&Run, Vec<[u32; 3]>, Vec<u32>)> = Vec::new();
+        let mut parts: Vec<Gathered<'_>> = Vec::new();
         for (at, run) in self.runs.iter().enumerate() {
             let end = self.runs.get(at + 1).map_or(triangles.len(), |next| cut.place(next.first));
             let range = cut.place(run.first).min(end)..end;
@@ -86,10 +93,10 @@ impl Reader<'_> {
             }
             let rank = *ranks.entry((&run.part, &run.material)).or_insert(parts.len());
             if rank == parts.len() {
-                parts.push((run, Vec::new(), Vec::new()));
+                parts.push(Gathered { run, triangles: Vec::new(), groups: Vec::new() });
             }
-            parts[rank].1.extend_from_slice(&triangles[range.clone()]);
-            parts[rank].2.extend_from_slice(groups.get(range).unwrap_or_default());
+            parts[rank].triangles.extend_from_slice(&triangles[range.clone()]);
+            parts[rank].groups.extend_from_slice(groups.get(range).unwrap_or_default());
         }
         let mut model = Model::default();
         let mut names = Unique::default();
@@ -99,7 +106,7 @@ impl Reader<'_> {
         for Run { first: _, part, material } in &self.runs {
             several.entry(part).or_default().insert(material);
         }
-        for (Run { first: _, part, material }, own, groups) in parts {
+        for Gathered { run: Run { first: _, part, material }, triangles: own, groups } in parts {
             let surface = materials.find(material);
             if surface.is_none() && !material.is_empty() {
                 missing.insert(shown(material));

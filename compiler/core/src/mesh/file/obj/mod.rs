@@ -11,7 +11,7 @@ use std::str::FromStr;
 use super::model::Model;
 use super::mtl::Materials;
 use super::polygons::Faces;
-use super::text::{file_name, lines, text};
+use super::text::{file_name, lines, no_number, number, text};
 use super::{Beside, FileError, Note, missing_part};
 use crate::mesh::Geometry;
 
@@ -396,14 +396,7 @@ fn number_of(word: Option<&[u8]>, line: usize, what: &str) -> Result<f32, FileEr
     let Some(word) = word else {
         return Err(FileError::new(format!("line {line}"), format!("the {what} has too few numbers")));
     };
-    let none = || {
-        let digits = word.strip_prefix(b"-").unwrap_or(word);
-        let none = digits.get(..3).is_some_and(|start| start.eq_ignore_ascii_case(b"nan"));
-        (none || digits.starts_with(b"1.#")).then_some(f32::NAN)
-    };
-    parse(word)
-        .or_else(none)
-        .ok_or_else(|| FileError::new(format!("line {line}"), format!("`{}` is no number", shown(word))))
+    number(word).ok_or_else(|| no_number(format!("line {line}"), word, ""))
 }
 
 fn float(word: Option<&[u8]>, line: usize, what: &str) -> Result<f32, FileError> {

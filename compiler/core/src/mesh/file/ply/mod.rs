@@ -288,7 +288,10 @@ fn unread(header: &Header, layout: &Layout, notes: &mut Vec<Note>) {
         }
         let list = layout.list(at);
         if at != layout.vertex && list.is_none() {
-            notes.push(Note::dropped(place, format!("element `{}` is not read", shown(&element.name))).slight());
+            let note = Note::dropped(place, format!("element `{}` is not read", shown(&element.name)));
+            let seen = is_seen(&element.name) || element.properties.iter().any(|property| is_seen(&property.name));
+            // Edges are in no image, whatever their color.
+            notes.push(if seen && element.name != "edge" { note } else { note.slight() });
             continue;
         }
         let read = |property: usize| {
