@@ -232,6 +232,10 @@ impl Entry {
                 if shiny.is_some() && illum >= 2.0 {
                     self.lose("highlights (`Ks`, `Ns`), since the model of Phong and Blinn keeps no energy");
                 }
+                // Maya writes `illum 4` and `Tf 1 1 1` for what is opaque.
+                if self.illum.is_some_and(glassy) && self.filter.is_some_and(|filter| filter != [1.0; 3]) {
+                    self.lose("the tint of transmitted light (`Tf`)");
+                }
                 if self.picture.is_some() && self.kd.is_some_and(|kd| kd != [1.0; 3]) {
                     self.lose("the factor (`Kd`) on a texture (`map_Kd`)");
                 }
@@ -250,9 +254,12 @@ fn words(rest: &[u8]) -> Vec<&[u8]> {
     rest[..end].split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()).collect()
 }
 
+/// No number of a material is larger.
+const MOST: f64 = 1e30;
+
 fn value(word: &[u8]) -> Option<f64> {
     let number: f64 = std::str::from_utf8(word).ok()?.parse().ok()?;
-    (number.is_finite() && number >= 0.0).then_some(number)
+    (0.0..=MOST).contains(&number).then_some(number)
 }
 
 /// Notes a value that is not read, or not all of it.

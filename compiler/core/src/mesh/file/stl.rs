@@ -31,6 +31,10 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<No
     if is_text(bytes) {
         return read_text(&text(bytes)?, part);
     }
+    if !fits(bytes) {
+        // Says it of what is text in UTF-16.
+        text(bytes)?;
+    }
     match part {
         None => binary(bytes),
         Some(_) => Err(FileError::new("", "a binary STL file has no parts").help("leave out `part`")),
@@ -49,9 +53,13 @@ pub(super) fn parts(bytes: &[u8]) -> Result<Vec<String>, FileError> {
 
 /// Binary files may begin with `solid` too: what decides is whether the length fits the count, and a zero byte near the start.
 fn is_text(bytes: &[u8]) -> bool {
-    let fits = count(bytes).is_some_and(|count| bytes.len() as u64 == HEAD as u64 + u64::from(count) * FACET as u64);
-    let binary = fits || bytes[..bytes.len().min(512)].contains(&0);
+    let binary = fits(bytes) || bytes[..bytes.len().min(512)].contains(&0);
     !binary && without_mark(bytes).trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+}
+
+/// Whether the file is as long as the count of a binary one says.
+fn fits(bytes: &[u8]) -> bool {
+    count(bytes).is_some_and(|count| bytes.len() as u64 == HEAD as u64 + u64::from(count) * FACET as u64)
 }
 
 fn count(bytes: &[u8]) -> Option<u32> {
@@ -413,6 +421,7 @@ endsolid right
             fault(&lie, None).contains("declares 4294967295 triangles, which take 214748364750 bytes, but 50 follow")
         );
         assert!(fault(b"", None).contains("empty"));
+        assert!(fault(b"\xff\xfes\0o\0l\0i\0d\0", None).contains("UTF-16"));
         assert!(fault(b"not a mesh", None).contains("has 10 bytes"));
         assert!(fault(&file(&[]), None).contains("no triangles"));
         assert!(fault(&file(&[[[1.0; 3]; 4]; 2]), None).contains("no triangle of the file has an area"));

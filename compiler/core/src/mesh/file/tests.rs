@@ -95,8 +95,8 @@ fn faults_have_their_line() {
         ("f 1 2 4", "a face uses position (`v`) 4, but there are 3"),
         ("f 1 2 0", "the corner `0` has the index 0"),
         ("f 1 2 -4", "uses a position (`v`) that is not there"),
-        ("f 1/1 2/1 3/1", "a face uses texture coordinate (`vt`) 1, but there are 0"),
-        ("f 1//1 2//1 3//1", "a face uses normal (`vn`) 1, but there are 0"),
+        ("f 1/2 2/1 3/1\nvt 0 0", "a face uses texture coordinate (`vt`) 2, but there are 1"),
+        ("f 1//2 2//1 3//1\nvn 0 0 1", "a face uses normal (`vn`) 2, but there are 1"),
         ("f 1/-5 2 3", "uses a texture coordinate (`vt`) that is not there"),
         ("f 1 2 /3", "`/3` is no corner"),
         ("f 1 2 3.0", "`3.0` is no corner"),
@@ -110,6 +110,7 @@ fn faults_have_their_line() {
     }
     assert_eq!(fault("", None).message, "the file is empty");
     assert_eq!(fault("v 0 0 0\nf 1 1\n", None).message, "the file has no triangles");
+    assert_eq!(fault("V 0 0 0\nF 1 1 1\n", None).help.as_deref(), Some("line 1 begins with `V`: is this an OBJ file?"));
     // A face may stand before its vertices.
     assert_eq!(obj("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n").0.triangles, [[0, 1, 2]]);
     let notes = obj(&text("v 1 1 1 0.5 0.5 0.5\nbogus\nbogus\nl 1 2\nv 1 1 1 2")).1;
@@ -150,6 +151,14 @@ fn normals_and_texture_coordinates_that_cannot_be_used_do_not_refuse_the_mesh() 
     let (g, notes) = obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 1\nvt nan 0\nvn 0 0 1\nf 1/1/1 2/2/1 3/1/1\n");
     assert_eq!(g.uvs, Some(vec![[0.0, 1.0], [0.0, 0.0], [0.0, 1.0]]));
     assert_eq!(said(&notes), ["loss-dropped line 5: 1 texture coordinate not finite set to (0, 0)"]);
+}
+
+#[test]
+fn lists_that_are_not_there_at_all_are_not_needed() {
+    let (g, notes) = obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1/1 2/2/1 3/3/1\n");
+    assert_eq!((g.triangles, g.normals, g.uvs), (vec![[0, 1, 2]], None, None));
+    let none = |what: &str| format!("loss-dropped line 4: 3 {what}s used by faces, but the file has none");
+    assert_eq!(said(&notes), [none("texture coordinate"), none("normal")]);
 }
 
 #[test]

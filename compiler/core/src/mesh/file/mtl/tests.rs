@@ -41,6 +41,9 @@ fn opacity_decides_with_the_illumination_model() {
         ("Kd 0.2 0.2 0.8; Ni 1.5; illum 9", BLUE, &[]),
         ("Kd 0.2 0.2 0.8; Ni 1.5; d 0.9", BLUE, &[opacity]),
         ("Kd 0.2 0.2 0.8; d 0.1", BLUE, &[opacity]),
+        // As Maya writes what is opaque.
+        ("Kd 0.2 0.2 0.8; Ni 1.0; Tf 1 1 1; illum 4", BLUE, &[]),
+        ("Kd 0.2 0.2 0.8; Ni 1.0; Tf 0.5 1 1; illum 4", BLUE, &["the tint of transmitted light (`Tf`)"]),
         ("Kd 0 0 0; Ni 1.5; d 0.1; illum 4", GLASS, &[]),
         ("Kd 0.2 0.2 0.8; Ni 1.5; Tr 0.9; illum 4", GLASS, &[tint]),
         ("Kd 1 1 1; Ni 1.5; Tr 1; illum 9", GLASS, &[]),
@@ -82,6 +85,7 @@ fn one_bad_word_loses_one_value() {
         ("Kd 0.4 0.1 0.1 1.0", "1 value of `Kd` cut off behind the third number".to_owned(), [0.4, 0.1, 0.1]),
         ("Kd 0.4 x 0.1", format!("1 value of `Kd` not read, {take}"), [0.8; 3]),
         ("Kd 0.4 0.1", format!("1 value of `Kd` not read, {take}"), [0.8; 3]),
+        ("Kd 1e39 0 0", format!("1 value of `Kd` not read, {take}"), [0.8; 3]),
         ("Kd -1 0 0", format!("1 value of `Kd` not read, {take}"), [0.8; 3]),
         ("Kd", format!("1 value of `Kd` not read, {take}"), [0.8; 3]),
         (

@@ -24,6 +24,10 @@ impl Reader<'_> {
         for (what, (line, count)) in &self.unread {
             let dropped = |message: &str| Note::dropped(format!("line {line}"), message);
             notes.push(match what {
+                Unread::AbsentUvs => {
+                    dropped("used by faces, but the file has none").counting(*count, "texture coordinate")
+                }
+                Unread::AbsentNormals => dropped("used by faces, but the file has none").counting(*count, "normal"),
                 Unread::Colors => dropped("not read").counting(*count, "vertex color"),
                 Unread::Surfaces => dropped("not read").counting(*count, "free-form surface"),
                 Unread::Curves => dropped("curves and what belongs to free-form surfaces are not read").slight(),
@@ -45,7 +49,11 @@ impl Reader<'_> {
     /// The triangles of all faces.
     fn cut(&mut self, notes: &mut Vec<Note>) -> Result<Cut, FileError> {
         let faces = std::mem::take(&mut self.faces);
-        faces.finish(|corner| self.positions[self.corners[corner as usize][0] as usize], notes)
+        let cut = faces.finish(|corner| self.positions[self.corners[corner as usize][0] as usize], notes);
+        cut.map_err(|error| match &self.unknown {
+            Some((line, word, _)) => error.help(format!("line {line} begins with `{word}`: is this an OBJ file?")),
+            None => error,
+        })
     }
 
     /// The smoothing group of each triangle; empty where there are no groups.

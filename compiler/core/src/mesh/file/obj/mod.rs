@@ -133,6 +133,8 @@ struct Reader<'a> {
 /// What an OBJ file may have that is not read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Unread {
+    AbsentUvs,
+    AbsentNormals,
     Colors,
     Surfaces,
     Curves,
@@ -331,8 +333,20 @@ impl Reader<'_> {
         Ok(found)
     }
 
-    fn check_forward_indices(&self) -> Result<(), FileError> {
+    fn check_forward_indices(&mut self) -> Result<(), FileError> {
         let lengths = [self.positions.len(), self.uvs.len(), self.normals.len()];
+        // Some programs number texture coordinates and normals of which they write none.
+        for (list, what) in [(1, Unread::AbsentUvs), (2, Unread::AbsentNormals)] {
+            if lengths[list] > 0 {
+                continue;
+            }
+            let mut absent = self.forward.iter().filter(|(other, _, _)| *other == list).map(|(_, _, number)| *number);
+            if let Some(line) = absent.next() {
+                self.unread.insert(what, (line, absent.count() as u64 + 1));
+                self.forward.retain(|(other, _, _)| *other != list);
+                self.corners.iter_mut().for_each(|corner| corner[list] = NONE);
+            }
+        }
         match self.forward.iter().find(|(list, index, _)| *index as usize >= lengths[*list]) {
             None => Ok(()),
             Some((list, index, number)) => {
