@@ -146,7 +146,7 @@ fn large_polygons_take_no_time() {
     let circle = |count: u32, radius: &dyn Fn(u32) -> f64| -> Vec<[f32; 3]> {
         let at = |i: u32| {
             let angle = f64::from(i) / f64::from(count) * std::f64::consts::TAU;
-            [radius(i) * angle.cos(), 0.0, radius(i) * angle.sin()].map(|x| x as f32)
+            [radius(i) * libm::cos(angle), 0.0, radius(i) * libm::sin(angle)].map(|x| x as f32)
         };
         (0..count).map(at).collect()
     };
@@ -178,7 +178,7 @@ proptest! {
         prop_assume!(length(normal) > 0.05 * length(u) * length(v) && length(normal) > 1.0);
         let points: Vec<[f32; 3]> = radii.iter().enumerate().map(|(at, radius)| {
             let angle = turn + std::f64::consts::TAU * at as f64 / count as f64;
-            [0, 1, 2].map(|axis| (radius * (angle.cos() * u[axis] + angle.sin() * v[axis])) as f32)
+            [0, 1, 2].map(|axis| (radius * (libm::cos(angle) * u[axis] + libm::sin(angle) * v[axis])) as f32)
         }).collect();
         let (triangles, notes) = one(&points);
         prop_assert_eq!(notes.len(), 1, "{:?}", &notes);
