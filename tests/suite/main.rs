@@ -14,6 +14,7 @@ mod gltf;
 mod golden;
 mod interrupted;
 mod ledger;
+mod losses;
 mod micro;
 mod mitsuba;
 mod mutations;

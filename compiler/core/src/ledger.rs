@@ -31,6 +31,9 @@ pub struct Ledger {
     pub baked: Vec<String>,
     /// What it cannot say.
     pub dropped: Vec<Dropped>,
+    /// What was lost before any target was asked: what files of meshes and materials say that is not in the scene.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub reading: Vec<Unread>,
 }
 
 /// Something said exactly with other numbers.
@@ -70,6 +73,15 @@ pub struct Here {
     pub of: String,
 }
 
+/// Something in a file that is not in the scene, or only nearly.
+#[derive(Clone, Debug, Serialize)]
+pub struct Unread {
+    /// The code of the finding that says it.
+    pub loss: &'static str,
+    /// The file, the place in it, and what was lost.
+    pub what: String,
+}
+
 /// Something that a target cannot say.
 #[derive(Clone, Debug, Serialize)]
 pub struct Dropped {
@@ -82,16 +94,19 @@ pub struct Dropped {
 }
 
 impl Ledger {
-    /// The ledger of a lowered scene; `baked` are the findings of lowering.
-    pub fn of(scene: &Scene, target: &Target, baked: &[Finding]) -> Self {
+    /// The ledger of a lowered scene; `before` are the findings of what came before: of reading the scene's files, and of lowering.
+    pub fn of(scene: &Scene, target: &Target, before: &[Finding]) -> Self {
+        let messages = |id: &'static str| before.iter().filter(move |one| one.id == id).map(|one| one.message.clone());
+        let unread = |loss: &'static str| messages(loss).map(move |what| Unread { loss, what });
         let mut ledger = Self {
             scene: scene.name.clone(),
             target: target.name,
             exact: Vec::new(),
             converted: Vec::new(),
             approximated: Vec::new(),
-            baked: baked.iter().filter(|one| one.id == "loss-baked").map(|one| one.message.clone()).collect(),
+            baked: messages("loss-baked").collect(),
             dropped: Vec::new(),
+            reading: unread("loss-dropped").chain(unread("loss-approximated")).collect(),
         };
         for (feature, origin) in features(scene) {
             let what = feature.name();

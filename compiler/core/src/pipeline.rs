@@ -50,6 +50,11 @@ impl Checked {
     pub fn worst(&self) -> Severity {
         self.findings.iter().map(|finding| finding.severity).max().unwrap_or(Severity::Allow)
     }
+
+    /// What files hold that is not in the scene, or not as they say it.
+    pub fn losses(&self) -> impl Iterator<Item = &Finding> {
+        self.findings.iter().filter(|finding| finding.id.starts_with("loss-"))
+    }
 }
 
 /// Formats of scenes and meshes that are not ltsc's own: how their files' names end, and what they hold.

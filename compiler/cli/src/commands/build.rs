@@ -173,7 +173,7 @@ fn prepare<'f>(
     let scenes = checked.par_iter().filter_map(|file| {
         let scene = file.checked.scene.clone().filter(|_| file.checked.worst() < Severity::Deny)?;
         let prepared = pipeline::prepare(scene).map(|(scene, remarks)| {
-            let ledgers = ledgers(&scene, targets, &remarks);
+            let ledgers = ledgers(&scene, targets, &file.checked, &remarks);
             (scene, remarks, ledgers)
         });
         Some((file, prepared))

@@ -101,7 +101,9 @@ fn losses(file: &CheckedFile, targets: &[&'static Target]) -> Vec<Finding> {
     }
     let Some(scene) = file.checked.scene.clone() else { return Vec::new() };
     match pipeline::prepare(scene) {
-        Ok((scene, baked)) => ledgers(&scene, targets, &baked).iter().flat_map(Ledger::findings).collect(),
+        Ok((scene, lowered)) => {
+            ledgers(&scene, targets, &file.checked, &lowered).iter().flat_map(Ledger::findings).collect()
+        }
         Err(invalid) => invalid,
     }
 }

@@ -221,9 +221,10 @@ pub fn report_fixed(
     (exit, counts)
 }
 
-/// The ledger of a scene for each target; `baked` is what lowering found.
-pub fn ledgers(scene: &Valid, targets: &[&'static Target], baked: &[Finding]) -> Vec<Ledger> {
-    targets.iter().map(|target| Ledger::of(scene, target, baked)).collect()
+/// The ledger of a scene for each target; `checked` is the file that it stands in, `lowered` what lowering found.
+pub fn ledgers(scene: &Valid, targets: &[&'static Target], checked: &Checked, lowered: &[Finding]) -> Vec<Ledger> {
+    let before: Vec<Finding> = checked.losses().chain(lowered).cloned().collect();
+    targets.iter().map(|target| Ledger::of(scene, target, &before)).collect()
 }
 
 /// What targets cannot say exactly of scenes, with the levels chosen for it.
@@ -289,13 +290,14 @@ pub struct One {
     pub hash: String,
     /// The file, what lowering changed among its findings.
     file: CheckedFile,
-    baked: Vec<Finding>,
+    /// What was lost before any target was asked.
+    before: Vec<Finding>,
 }
 
 impl One {
     /// What becomes of the scene for a target.
     pub fn ledger(&self, target: &Target) -> Ledger {
-        Ledger::of(&self.scene, target, &self.baked)
+        Ledger::of(&self.scene, target, &self.before)
     }
 
     /// Prints what was found and what the target cannot say exactly, and gives the exit code that it leads to. Where the answer of
@@ -361,10 +363,10 @@ pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) ->
         Err(invalid) => (None, invalid),
     };
     project.levels_with(findings)?.judge(&mut remarks);
-    let baked = remarks.clone();
+    let before = file.checked.losses().chain(&remarks).cloned().collect();
     file.checked.findings.extend(remarks);
     match scene {
-        Some(scene) => Ok(Ok(One { project, scene, camera, hash, file, baked })),
+        Some(scene) => Ok(Ok(One { project, scene, camera, hash, file, before })),
         None => Ok(Err(refuse(&[file]))),
     }
 }

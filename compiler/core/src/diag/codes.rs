@@ -126,17 +126,20 @@ pub const CODES: &[Code] = &[
     ),
     remark(
         "loss-approximated",
-        "A target says something nearly, not exactly, as the scene means it.\nThe note gives the bound and how it was found. `ltsc explain --target NAME` shows the whole table.",
+        "A target says something nearly, not exactly, as the scene means it; or a mesh file or its materials could only be read nearly.\nThe note gives the bound and how it was found. `ltsc explain --target NAME` shows the whole table.",
     ),
     remark(
         "loss-baked",
-        "Something was computed before it was written: a transform into vertices, or normals.\nThe image stays the same.",
+        "Something was computed before it was written: a transform into vertices, normals, triangles of polygons.\nThe image stays the same.",
     ),
     remark(
         "loss-dropped",
-        "A target cannot say something, and it was left out.\n`ltsc explain --target NAME` shows what a target can say.",
+        "A target cannot say something, and it was left out; or a mesh file has something that is not read.\n`ltsc explain --target NAME` shows what a target can say. Of a file there is one finding for each kind of thing, a warning where it\ncould be seen in an image (vertex colors, skins), a remark where it could not (names, edges). `ledger.json` has both.",
     ),
-    remark("mesh-file", "A mesh file was read, and something in it was changed or left out."),
+    remark(
+        "mesh-file",
+        "A mesh file was read, and something in it is odd: the file may be damaged, or mean something else.",
+    ),
     code("misplaced-name", "A setting that has no name was given one."),
     code("misplaced-parameters", "A declaration that cannot be a function has parameters."),
     code("misplaced-statement", "A statement stands where it means nothing: a second scene, or a shape in a library."),

@@ -235,19 +235,21 @@ impl Interpreter<'_> {
             triangles: self.limits.triangles.saturating_sub(self.triangles),
             limits: self.limits,
             host: self,
-            remarks: Vec::new(),
+            lengthened: Vec::new(),
             findings: Vec::new(),
         };
         let built = (row.build)(&args, &mut site);
-        let Site { remarks, findings, .. } = site;
-        self.findings.extend(findings);
-        for table::Remark { message, help, lengths } in remarks {
-            if lengths {
-                self.lengthened.push((call.span, message));
-            } else {
-                self.findings.push(Finding::warn("mesh-file", call.span, message).maybe_help(help));
+        let Site { lengthened, findings, .. } = site;
+        // Parts of one file share what is said of all of it.
+        let new = |finding: &Finding, known: &[Finding]| {
+            key.is_none() || !known.iter().any(|other| other.id == finding.id && other.message == finding.message)
+        };
+        for finding in findings {
+            if new(&finding, &self.findings) {
+                self.findings.push(finding);
             }
         }
+        self.lengthened.extend(lengthened.into_iter().map(|message| (call.span, message)));
         let file = key.is_some();
         if let Some(key) = key {
             self.read.insert(key, built.as_ref().map_or(Value::Poison, Clone::clone));

@@ -44,7 +44,7 @@ pub use measure::{
 pub use planar::fewest_triangles;
 pub use plate::{Hole, plate};
 pub use rectangle::{Axis, Extent, SignedAxis, rectangle};
-pub use smooth::smooth;
+pub use smooth::{smooth, smooth_groups};
 pub use sphere::sphere;
 pub use torus::torus;
 pub use transform::{transform, transform_normals, transform_positions};

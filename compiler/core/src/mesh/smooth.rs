@@ -41,7 +41,42 @@ pub fn smooth(geometry: Geometry, crease: f64) -> Result<(Geometry, usize), Mesh
     } else {
         join_over_edges(&faces, &points, crease, &mut groups);
     }
+    Ok((averaged(&geometry, &faces, &mut groups), dropped))
+}
 
+/// The geometry with normals averaged over the faces of each smoothing group, of which `groups` has one for each triangle; those of
+/// group 0 stay flat. Triangles without area are left out.
+///
+/// # Errors
+/// Indices out of range, or arrays of different lengths.
+pub fn smooth_groups(geometry: &Geometry, groups: &[u32]) -> Result<Geometry, MeshError> {
+    geometry.check_indices()?;
+    let points = position_ids(&geometry.positions);
+    let mut faces = Vec::new();
+    // Point, group, corner.
+    let mut corners: Vec<(u32, u32, u32)> = Vec::new();
+    for (at, triangle) in geometry.triangles.iter().enumerate() {
+        let Some(face) = Face::new(*triangle, geometry) else { continue };
+        let group = groups.get(at).copied().unwrap_or(0);
+        if group != 0 {
+            let corner = |corner: usize| (points[triangle[corner] as usize], group, (3 * faces.len() + corner) as u32);
+            corners.extend([0, 1, 2].map(corner));
+        }
+        faces.push(face);
+    }
+    corners.sort_unstable();
+    let mut joined = Groups::new(faces.len() * 3);
+    for pair in corners.windows(2) {
+        let ((point, group, one), (other_point, other_group, two)) = (pair[0], pair[1]);
+        if (point, group) == (other_point, other_group) {
+            joined.join(one, two);
+        }
+    }
+    Ok(averaged(geometry, &faces, &mut joined))
+}
+
+/// The geometry of these faces, the normals of which are averaged over joined corners.
+fn averaged(geometry: &Geometry, faces: &[Face], groups: &mut Groups) -> Geometry {
     let mut sums: Vec<Vec3> = vec![[0.0; 3]; faces.len() * 3];
     for (at, face) in faces.iter().enumerate() {
         for corner in 0..3 {
@@ -51,7 +86,7 @@ pub fn smooth(geometry: Geometry, crease: f64) -> Result<(Geometry, usize), Mesh
             }
         }
     }
-    let mut splitter = Splitter::new(&geometry);
+    let mut splitter = Splitter::new(geometry);
     for (at, face) in faces.iter().enumerate() {
         let normals = [0, 1, 2].map(|corner| {
             let sum = sums[groups.find((3 * at + corner) as u32) as usize];
@@ -61,7 +96,7 @@ pub fn smooth(geometry: Geometry, crease: f64) -> Result<(Geometry, usize), Mesh
         });
         splitter.push(face.triangle, normals);
     }
-    Ok((splitter.finish(), dropped))
+    splitter.finish()
 }
 
 /// For each position the index of the first position equal to it (0 and -0 are equal).

@@ -53,6 +53,7 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     report(&path.to_string(), &surfaces, &used, bare, site);
     let span = site.span;
     let textures = textures(&path, &surfaces, &used, site);
+    unpainted(&path, &surfaces, &textures, &parts, &meshes, site);
     let painted: Vec<Option<Rc<MaterialValue>>> = surfaces
         .iter()
         .zip(textures)
@@ -141,6 +142,44 @@ fn textures(path: &VPath, surfaces: &[Surface], used: &[bool], site: &mut Site<'
     all
 }
 
+/// Says which images are read and seen nowhere: those of surfaces that take none, and of parts without texture coordinates.
+fn unpainted(
+    path: &VPath,
+    surfaces: &[Surface],
+    textures: &[Option<Handle<Texture>>],
+    parts: &[Part],
+    meshes: &[(String, Geometry)],
+    site: &mut Site<'_>,
+) {
+    let textured = |at: usize| textures.get(at).copied().flatten();
+    let takes = |at: usize| bsdf(&surfaces[at].scatter, textured(at)).0.texture().is_some();
+    let names: Vec<&str> = (0..surfaces.len())
+        .filter(|at| textured(*at).is_some() && !takes(*at))
+        .map(|at| surfaces[at].name.as_str())
+        .collect();
+    let dropped =
+        |message: String| Finding::new("loss-dropped", Severity::Warn, site.span, format!("`{path}`: {message}"));
+    let mut findings = Vec::new();
+    if !names.is_empty() {
+        findings.push(dropped(format!(
+            "not read of {}: a texture of the color, which glass and mirrors do not take",
+            listed(&names)
+        )));
+    }
+    let bare = |part: &&Part| {
+        let painted = part.surface.is_some_and(|at| textured(at).is_some() && takes(at));
+        painted && meshes.get(part.mesh).is_some_and(|(_, mesh)| mesh.uvs.is_none())
+    };
+    let count = parts.iter().filter(bare).count();
+    if let Some(first) = parts.iter().find(bare) {
+        let parts = if count == 1 { "1 part has".to_owned() } else { format!("{count} parts have") };
+        let message =
+            format!("{parts} a texture and no texture coordinates, the first is `{}`", first.name.escape_debug());
+        findings.push(dropped(message));
+    }
+    site.findings.extend(findings);
+}
+
 fn texture(path: &VPath, surface: &Surface, picture: &Picture, site: &mut Site<'_>) -> Result<Texture, String> {
     let (name, ending, file) = match picture {
         Picture::Inside { image: _, ending, bytes } => {
@@ -187,8 +226,8 @@ fn report(path: &str, surfaces: &[Surface], used: &[bool], bare: usize, site: &m
         site.findings.push(Finding::new("loss-approximated", Severity::Info, span, message));
     }
     if bare > 0 {
-        let (parts, have) = if bare == 1 { ("part", "has") } else { ("parts", "have") };
-        let message = format!("`{path}`: {bare} {parts} {have} no material and become `diffuse({GREY})`");
+        let parts = if bare == 1 { "part has no material and becomes" } else { "parts have no material and become" };
+        let message = format!("`{path}`: {bare} {parts} `diffuse({GREY})`");
         site.findings.push(Finding::new("loss-approximated", Severity::Info, span, message));
     }
 }

@@ -2,14 +2,15 @@
 
 use std::rc::Rc;
 
-use crate::diag::Severity;
+use crate::diag::Finding;
 use crate::files::{Bytes, VPath};
 use crate::ir::Affine;
+use crate::mesh::file::{Fate, Note};
 use crate::mesh::{self, Extent, Geometry, MeshError, SignedAxis};
 
 use super::super::module::beside_help;
 use super::super::value::{MeshValue, Ty, Value};
-use super::{Args, Constructor, Family, Parameter, Problem, Remark, Site};
+use super::{Args, Constructor, Family, Parameter, Problem, Site};
 
 pub(super) const ROWS: &[Constructor] = &[
     Constructor {
@@ -260,10 +261,16 @@ pub(super) fn broken(path: &VPath, error: mesh::file::FileError) -> Problem {
     Problem::new("path", error.message).id("invalid-mesh-file").label(place).maybe_help(error.help)
 }
 
-pub(super) fn remark(path: &VPath, notes: Vec<mesh::file::Note>, site: &mut Site<'_>) {
-    for note in notes.into_iter().filter(|note| note.severity >= Severity::Warn) {
+/// Makes a finding of each note.
+pub(super) fn remark(path: &VPath, notes: Vec<Note>, site: &mut Site<'_>) {
+    for note in notes {
         let place = if note.place.is_empty() { String::new() } else { format!(", {}", note.place) };
         let message = format!("`{path}`{place}: {}", note.message);
-        site.remarks.push(Remark { message, help: note.help, lengths: note.lengths });
+        if note.fate == Fate::Lengths {
+            site.lengthened.push(message);
+        } else {
+            let finding = Finding::new(note.fate.code(), note.severity, site.span, message);
+            site.findings.push(finding.maybe_help(note.help));
+        }
     }
 }

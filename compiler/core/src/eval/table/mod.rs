@@ -286,20 +286,10 @@ pub(super) struct Site<'s> {
     pub limits: Limits,
     /// What the evaluator does for it.
     pub host: &'s mut dyn Host,
-    /// Things to say although the value could be made.
-    pub remarks: Vec<Remark>,
-    /// Other findings.
+    /// Normals of another length than 1 in files, which lint says.
+    pub lengthened: Vec<String>,
+    /// What is to be said although the value could be made.
     pub findings: Vec<Finding>,
-}
-
-/// Something to say although the value could be made.
-pub(super) struct Remark {
-    /// What was changed or left out.
-    pub message: String,
-    /// What to do about it.
-    pub help: Option<String>,
-    /// Whether it is about normals of another length than 1: then lint says it.
-    pub lengths: bool,
 }
 
 impl Site<'_> {

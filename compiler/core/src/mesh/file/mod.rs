@@ -7,16 +7,20 @@ mod finish;
 mod gltf;
 mod model;
 mod mtl;
+mod note;
 mod obj;
 mod ply;
+mod polygons;
 mod stl;
+mod text;
 
 use std::fmt;
 
 pub use model::{Model, NAMELESS, Part, Picture, Scatter, Surface};
+pub use note::{Fate, Note};
 
 use super::Geometry;
-use crate::diag::{Severity, nearest};
+use crate::diag::nearest;
 
 /// Why a mesh file cannot be read.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -52,37 +56,6 @@ impl fmt::Display for FileError {
 
 impl std::error::Error for FileError {}
 
-/// Something to know about a mesh file that was read: what was changed, and what was left out.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Note {
-    /// `Info` for what is no loss of shape (polygons cut into triangles, colours not read), `Warn` for what may be.
-    pub severity: Severity,
-    /// What happened; lower-case, one sentence.
-    pub message: String,
-    /// Where first: `line 7`, `byte 120`; empty for the whole file.
-    pub place: String,
-    /// What to do about it.
-    pub help: Option<String>,
-    /// Whether it is about normals of another length than 1, which other programs may read otherwise.
-    pub lengths: bool,
-}
-
-impl Note {
-    fn info(place: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { severity: Severity::Info, message: message.into(), place: place.into(), help: None, lengths: false }
-    }
-
-    fn warn(place: impl Into<String>, message: impl Into<String>) -> Self {
-        Self { severity: Severity::Warn, ..Self::info(place, message) }
-    }
-
-    #[must_use]
-    fn help(mut self, text: impl Into<String>) -> Self {
-        self.help = Some(text.into());
-        self
-    }
-}
-
 /// The endings of the files that [`read`] knows.
 pub const EXTENSIONS: &[&str] = &["ply", "obj", "stl", "glb", "gltf"];
 
@@ -101,19 +74,20 @@ pub fn read(
     part: Option<&str>,
     beside: &mut Beside<'_>,
 ) -> Result<(Geometry, Vec<Note>), FileError> {
-    match extension.to_ascii_lowercase().as_str() {
+    let (geometry, notes) = match extension.to_ascii_lowercase().as_str() {
         "ply" => match part {
-            None => ply::read(bytes),
-            Some(_) => Err(FileError::new("", "a PLY file has no parts").help("leave out `part`")),
+            None => ply::read(bytes)?,
+            Some(_) => return Err(FileError::new("", "a PLY file has no parts").help("leave out `part`")),
         },
-        "obj" => obj::read(bytes, part),
-        "stl" => stl::read(bytes, part),
+        "obj" => obj::read(bytes, part)?,
+        "stl" => stl::read(bytes, part)?,
         "glb" | "gltf" => {
             let (model, mut notes) = gltf::read(bytes, part, beside)?;
-            Ok((model.merged(&mut notes)?, notes))
+            (model.merged(&mut notes)?, notes)
         }
-        other => Err(unknown(other)),
-    }
+        other => return Err(unknown(other)),
+    };
+    Ok((geometry, note::merged(notes)))
 }
 
 /// All parts of the file with these bytes, with their materials where it has some. Each mesh has at least one triangle,
@@ -129,7 +103,7 @@ pub fn read_parts(extension: &str, bytes: &[u8], beside: &mut Beside<'_>) -> Res
         "glb" | "gltf" => gltf::read(bytes, None, beside)?,
         other => return Err(unknown(other)),
     };
-    Ok((model.with_normals(&mut notes)?, notes))
+    Ok((model.with_normals(&mut notes)?, note::merged(notes)))
 }
 
 /// A [`Beside`] for where there is nothing but the file.

@@ -109,6 +109,7 @@ impl Model {
             if geometry.normals.is_none() {
                 *geometry = flat(std::mem::take(geometry), notes)?;
                 *good = !geometry.triangles.is_empty();
+                notes.push(Note::baked("", "without normals shaded flat").counting(1, "part"));
             }
         }
         self.parts.retain(|part| good[part.mesh]);
@@ -133,7 +134,7 @@ impl Model {
         let uvs = having(|geometry| geometry.uvs.is_some());
         if uvs > 0 && uvs < parts.len() {
             let message = format!("only {uvs} of {} parts have texture coordinates, so none are read", parts.len());
-            notes.push(Note::warn("", message));
+            notes.push(Note::dropped("", message));
         }
         let uvs = uvs == parts.len();
         let mut all = Geometry {

@@ -7,7 +7,9 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use super::finish::{Faces, finish, flat};
+use super::finish::{finish, flat};
+use super::polygons::Faces;
+use super::text::{no_number, number, text, without_mark};
 use super::{FileError, Note, missing_part, plural, shown};
 use crate::ir::{Vec3, cross, dot, sub};
 use crate::mesh::{Geometry, face_normal};
@@ -27,7 +29,11 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<No
         return Err(FileError::new("", "the file is empty"));
     }
     if is_text(bytes) {
-        return text(bytes, part);
+        return read_text(&text(bytes)?, part);
+    }
+    if !fits(bytes) {
+        // Says it of what is text in UTF-16.
+        text(bytes)?;
     }
     match part {
         None => binary(bytes),
@@ -41,15 +47,19 @@ pub(super) fn parts(bytes: &[u8]) -> Result<Vec<String>, FileError> {
         return Ok(Vec::new());
     }
     let mut reader = Text { selected: true, ..Text::default() };
-    reader.run(bytes)?;
+    reader.run(&text(bytes)?)?;
     Ok(reader.names())
 }
 
 /// Binary files may begin with `solid` too: what decides is whether the length fits the count, and a zero byte near the start.
 fn is_text(bytes: &[u8]) -> bool {
-    let fits = count(bytes).is_some_and(|count| bytes.len() as u64 == HEAD as u64 + u64::from(count) * FACET as u64);
-    let binary = fits || bytes[..bytes.len().min(512)].contains(&0);
-    !binary && bytes.trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+    let binary = fits(bytes) || bytes[..bytes.len().min(512)].contains(&0);
+    !binary && without_mark(bytes).trim_ascii_start().get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"))
+}
+
+/// Whether the file is as long as the count of a binary one says.
+fn fits(bytes: &[u8]) -> bool {
+    count(bytes).is_some_and(|count| bytes.len() as u64 == HEAD as u64 + u64::from(count) * FACET as u64)
 }
 
 fn count(bytes: &[u8]) -> Option<u32> {
@@ -95,7 +105,13 @@ fn binary(bytes: &[u8]) -> Result<(Geometry, Vec<Note>), FileError> {
         (positions, all.clone().filter(against).count(), all.into_par_iter().any(|facet| marked(&facet)))
     };
     if colours {
-        notes.push(Note::info("", "attributes of facets, such as colours, are not read"));
+        // Magics says so in its title, VisCAM in the highest bit of each color; what else stands there is no image.
+        let title = bytes[..HEAD - 4].windows(6).any(|word| word == b"COLOR=");
+        notes.push(if title || facets.iter().any(|facet| facet[49] >= 128) {
+            Note::dropped("", "the colors of facets are not read")
+        } else {
+            Note::dropped("", "the attributes of facets are not read").slight()
+        });
     }
     note_turned(turned as u64, &mut notes);
     let triangles = (0..claimed).map(|at| [3 * at, 3 * at + 1, 3 * at + 2]).collect();
@@ -156,7 +172,7 @@ fn note_turned(turned: u64, notes: &mut Vec<Note>) {
     }
 }
 
-fn text(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<Note>), FileError> {
+fn read_text(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<Note>), FileError> {
     let mut reader = Text { part, selected: part.is_none(), ..Text::default() };
     reader.run(bytes)?;
     if let Some(part) = part
@@ -168,13 +184,13 @@ fn text(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<Note>), FileE
     let mut notes = Vec::new();
     if let Some((line, word, count)) = unknown {
         let message = format!("{} not understood, the first is `{word}`", plural(count, "line"));
-        notes.push(Note::warn(format!("line {line}"), message).help("is this an STL file?"));
+        notes.push(Note::dropped(format!("line {line}"), message).help("is this an STL file?"));
     }
     if open {
         notes.push(Note::warn("", "the last `solid` has no `endsolid`").help("is the file cut off?"));
     }
     note_turned(turned, &mut notes);
-    let triangles = faces.finish(&mut notes)?;
+    let triangles = faces.finish(|vertex| positions[vertex as usize], &mut notes)?.triangles;
     let mut geometry = Geometry { positions, normals: None, uvs: None, triangles };
     finish(&mut geometry, &mut notes, |_| String::new())?;
     Ok((flat_soup(geometry, &mut notes)?, notes))
@@ -289,11 +305,7 @@ fn three<'w>(words: &mut impl Iterator<Item = &'w [u8]>, line: usize, what: &str
         let Some(word) = words.next() else {
             return Err(FileError::new(place, format!("the {what} has too few numbers")));
         };
-        let number = std::str::from_utf8(word).ok().and_then(|word| word.parse::<f32>().ok());
-        number.ok_or_else(|| {
-            let word = String::from_utf8_lossy(&word[..word.len().min(200)]).into_owned();
-            FileError::new(place, format!("`{}` is no number", shown(&word)))
-        })
+        number(word).ok_or_else(|| no_number(place, word, ""))
     };
     Ok([next()?, next()?, next()?])
 }
@@ -301,6 +313,7 @@ fn three<'w>(words: &mut impl Iterator<Item = &'w [u8]>, line: usize, what: &str
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::diag::Severity;
     use proptest::prelude::*;
 
     const TEXT: &str = "solid left one
@@ -353,7 +366,12 @@ endsolid right
         ];
         assert_eq!(read(&file(&facets), None).expect("a good file"), (text.clone(), notes.clone()));
         let windows = TEXT.replace('\n', "\r\n").replace("facet", "FACET");
-        assert_eq!(read(windows.as_bytes(), None), Ok((text, notes)));
+        assert_eq!(read(windows.as_bytes(), None), Ok((text.clone(), notes)));
+        // With a mark, and with line ends of old systems.
+        for other in [format!("\u{feff}{TEXT}"), TEXT.replace('\n', "\r")] {
+            assert_eq!(read(other.as_bytes(), None).expect("a good file").0, text);
+            assert_eq!(parts(other.as_bytes()).map(|names| names.len()), Ok(2));
+        }
         // Enough for several threads.
         let many = vec![facets[0]; WORTH_THREADS * 3];
         let (many, notes) = read(&file(&many), None).expect("a good file");
@@ -370,6 +388,28 @@ endsolid right
     }
 
     #[test]
+    fn colors_of_facets_are_told() {
+        let facet = [[0.0; 3], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
+        let told = |change: &dyn Fn(&mut Vec<u8>)| {
+            let mut bytes = file(&[facet]);
+            change(&mut bytes);
+            let notes = read(&bytes, None).expect("a good file").1;
+            notes.into_iter().map(|note| (note.severity, note.message)).collect::<Vec<_>>()
+        };
+        let colors = |severity, message: &str| [(severity, message.to_owned())];
+        assert_eq!(told(&|_| {}), []);
+        let some = "the attributes of facets are not read";
+        assert_eq!(told(&|bytes| bytes[132] = 7), colors(Severity::Info, some));
+        let painted = "the colors of facets are not read";
+        assert_eq!(told(&|bytes| bytes[133] = 0x80), colors(Severity::Warn, painted));
+        let magics = |bytes: &mut Vec<u8>| {
+            bytes[10..16].copy_from_slice(b"COLOR=");
+            bytes[132] = 7;
+        };
+        assert_eq!(told(&magics), colors(Severity::Warn, painted));
+    }
+
+    #[test]
     fn faults_are_found() {
         let facet = [[0.0; 3], [0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
         let good = file(&[facet; 2]);
@@ -381,6 +421,7 @@ endsolid right
             fault(&lie, None).contains("declares 4294967295 triangles, which take 214748364750 bytes, but 50 follow")
         );
         assert!(fault(b"", None).contains("empty"));
+        assert!(fault(b"\xff\xfes\0o\0l\0i\0d\0", None).contains("UTF-16"));
         assert!(fault(b"not a mesh", None).contains("has 10 bytes"));
         assert!(fault(&file(&[]), None).contains("no triangles"));
         assert!(fault(&file(&[[[1.0; 3]; 4]; 2]), None).contains("no triangle of the file has an area"));

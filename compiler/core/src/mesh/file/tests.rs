@@ -76,10 +76,10 @@ fn vertices_split_where_normals_or_textures_differ_and_only_there() {
 
 #[test]
 fn normals_that_only_some_corners_have_are_dropped_with_a_note() {
-    let (g, notes) = obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 0\ns 1\nf 1//1 2//1 3\nf 1 2 3\n");
+    let (g, notes) = obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 0\nf 1//1 2//1 3\nf 1 2 3\n");
     assert_eq!((g.normals, g.positions.len()), (None, 3));
-    assert!(notes[0].message.contains("only 2 of 6 corners have normals"));
-    assert!(notes[1].message.contains("smoothing groups"));
+    assert_eq!(notes[0].message, "2 normals left out, since other corners of the same part have none");
+    assert_eq!(notes.len(), 1);
 }
 
 #[test]
@@ -95,8 +95,8 @@ fn faults_have_their_line() {
         ("f 1 2 4", "a face uses position (`v`) 4, but there are 3"),
         ("f 1 2 0", "the corner `0` has the index 0"),
         ("f 1 2 -4", "uses a position (`v`) that is not there"),
-        ("f 1/1 2/1 3/1", "a face uses texture coordinate (`vt`) 1, but there are 0"),
-        ("f 1//1 2//1 3//1", "a face uses normal (`vn`) 1, but there are 0"),
+        ("f 1/2 2/1 3/1\nvt 0 0", "a face uses texture coordinate (`vt`) 2, but there are 1"),
+        ("f 1//2 2//1 3//1\nvn 0 0 1", "a face uses normal (`vn`) 2, but there are 1"),
         ("f 1/-5 2 3", "uses a texture coordinate (`vt`) that is not there"),
         ("f 1 2 /3", "`/3` is no corner"),
         ("f 1 2 3.0", "`3.0` is no corner"),
@@ -108,15 +108,183 @@ fn faults_have_their_line() {
         let error = fault(&text(line), None);
         assert!(error.place == "line 4" && error.message.contains(message), "{line}: {error:?}");
     }
-    assert_eq!(fault(&text("vn 0 0 0\nf 1//1 2//1 3//1").replace("f 1 2 3\n", ""), None).place, "line 4");
     assert_eq!(fault("", None).message, "the file is empty");
     assert_eq!(fault("v 0 0 0\nf 1 1\n", None).message, "the file has no triangles");
+    assert_eq!(fault("V 0 0 0\nF 1 1 1\n", None).help.as_deref(), Some("line 1 begins with `V`: is this an OBJ file?"));
     // A face may stand before its vertices.
     assert_eq!(obj("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0\n").0.triangles, [[0, 1, 2]]);
     let notes = obj(&text("v 1 1 1 0.5 0.5 0.5\nbogus\nbogus\nl 1 2\nv 1 1 1 2")).1;
     assert!(notes.iter().any(|note| note.message == "2 lines not understood, the first is `bogus`"), "{notes:?}");
     assert_eq!(notes.len(), 4, "{notes:?}");
     assert!(read("3ds", b"", None, &mut alone).is_err());
+}
+
+/// The messages of notes with their places and codes.
+fn said(notes: &[Note]) -> Vec<String> {
+    notes.iter().map(|note| format!("{} {}: {}", note.fate.code(), note.place, note.message)).collect()
+}
+
+#[test]
+fn marks_and_line_ends_make_no_difference() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 5 5 5\nf 1 2 3\n";
+    let expected = obj(text);
+    assert_eq!(expected.0.positions, [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]);
+    for other in [format!("\u{feff}{text}"), text.replace('\n', "\r\n"), text.replace('\n', "\r")] {
+        assert_eq!(obj(&other), expected);
+    }
+    assert_eq!(parts("obj", b"\xef\xbb\xbfo a\rv 0 0 0\rf 1 1 1\r"), Ok(vec!["a".to_owned()]));
+    let wide: Vec<u8> = std::iter::once(0xfeff).chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    let error = read("obj", &wide, None, &mut alone).map(|_| ()).expect_err("UTF-16");
+    assert_eq!(error.message, "the file is text in UTF-16");
+}
+
+#[test]
+fn normals_and_texture_coordinates_that_cannot_be_used_do_not_refuse_the_mesh() {
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvn 0 0 0\nf 1//1 2//1 3//2\n";
+    let (g, notes) = obj(text);
+    assert_eq!((g.normals.as_deref(), g.check()), (Some(&[[0.0, 0.0, 1.0]; 3][..]), Ok(())));
+    let computed = "1 normal that cannot be used, zero or not finite, computed from the faces around it";
+    assert_eq!(said(&notes), [format!("mesh-file line 5: {computed}")]);
+    for bad in ["nan nan nan", "-nan(ind) 0 0", "-1.#IND -1.#IND -1.#IND # none", "1.#QNAN00 0 0"] {
+        assert_eq!(obj(&text.replace("vn 0 0 0", &format!("vn {bad}"))), (g.clone(), notes.clone()), "{bad}");
+    }
+    let (g, notes) = obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 1\nvt nan 0\nvn 0 0 1\nf 1/1/1 2/2/1 3/1/1\n");
+    assert_eq!(g.uvs, Some(vec![[0.0, 1.0], [0.0, 0.0], [0.0, 1.0]]));
+    assert_eq!(said(&notes), ["loss-dropped line 5: 1 texture coordinate not finite set to (0, 0)"]);
+}
+
+#[test]
+fn lists_that_are_not_there_at_all_are_not_needed() {
+    let (g, notes) = obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1/1/1 2/2/1 3/3/1\n");
+    assert_eq!((g.triangles, g.normals, g.uvs), (vec![[0, 1, 2]], None, None));
+    let none = |what: &str| format!("loss-dropped line 4: 3 {what}s used by faces, but the file has none");
+    assert_eq!(said(&notes), [none("texture coordinate"), none("normal")]);
+}
+
+#[test]
+fn smoothing_groups_become_normals() {
+    // A roof of two slopes, an end each; `s` says which faces are one surface.
+    let roof = |s: [&str; 2]| {
+        let points = "v 0 0 0\nv 1 0 1\nv 2 0 0\nv 0 1 0\nv 1 1 1\nv 2 1 0\n";
+        obj(&format!("{points}{}f 1 2 5 4\n{}f 2 3 6 5\n", s[0], s[1]))
+    };
+    let half = 0.5_f32.sqrt();
+    let (left, right) = ([-half, 0.0, half], [half, 0.0, half]);
+    let (g, notes) = roof(["s 1\n", ""]);
+    let normals = g.normals.expect("normals");
+    assert_eq!((normals.len(), g.positions.len()), (6, 6));
+    assert!(normals.contains(&[0.0, 0.0, 1.0]) && !normals.contains(&[0.0, 0.0, -1.0]));
+    let computed = "loss-baked line 7: normals are computed from smoothing groups";
+    assert_eq!(said(&notes), ["loss-baked : 2 faces with more than 3 corners cut into triangles", computed]);
+    let turned = |normal: [f32; 3], to: [f32; 3]| normal.iter().zip(to).all(|(a, b)| (a.abs() - b.abs()).abs() < 1e-6);
+    for s in [["s 1\n", "s 2\n"], ["s 1\n", "s off\n"], ["s on\n", "s 0\n"]] {
+        let (g, _) = roof(s);
+        let normals = g.normals.expect("normals");
+        assert_eq!(normals.len(), 8, "{s:?}");
+        assert!(normals.iter().all(|normal| turned(*normal, left) || turned(*normal, right)), "{s:?} {normals:?}");
+    }
+    assert_eq!(roof(["s off\n", ""]).0.normals, None);
+    // Normals of the file come before.
+    let (g, _) = obj("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1 0\ns 1\nf 1//1 2//1 3//1\n");
+    assert_eq!(g.normals, Some(vec![[0.0, 1.0, 0.0]; 3]));
+    // As a group too; without smoothing groups it becomes flat, and says so.
+    let group = |text: &str| read_parts("obj", text.as_bytes(), &mut alone).expect("a good file");
+    let pyramid = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0.5 0.5 0.5\ns 1\nf 1 2 5\nf 2 3 5\nf 3 4 5\nf 4 1 5\n";
+    let (model, notes) = group(pyramid);
+    assert_eq!(model.meshes[0].1.positions.len(), 5);
+    assert_eq!(said(&notes), ["loss-baked line 6: normals are computed from smoothing groups"]);
+    let (model, notes) = group(&pyramid.replace("s 1", "s off"));
+    assert_eq!(model.meshes[0].1.positions.len(), 12);
+    assert_eq!(said(&notes), ["loss-baked : 1 part without normals shaded flat"]);
+}
+
+#[test]
+fn what_is_not_read_is_told_once_for_each_kind() {
+    let notes = obj("v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 0 1 0 0 0 1 1\nf 1 2 3\nl 1 2\nl 2 3\nsurf 0 1 0 1 1 2\n").1;
+    assert_eq!(
+        said(&notes),
+        [
+            "loss-dropped line 1: 3 vertex colors not read",
+            "loss-dropped line 7: 1 free-form surface not read",
+            "loss-dropped line 5: points and lines are not read",
+        ]
+    );
+    let severe: Vec<bool> = notes.iter().map(|note| note.severity == crate::diag::Severity::Warn).collect();
+    assert_eq!(severe, [true, true, false]);
+    let painted = obj("v 0 0 0\nv 1 0 0\nv 0 1 0\n#MRGB ff804020\nf 1 2 3\n").1;
+    assert_eq!(said(&painted), ["loss-dropped line 4: 1 vertex color not read"]);
+}
+
+/// The parts of an OBJ file with files beside it.
+fn with_files(text: &str, files: &[(&str, &str)]) -> (Model, Vec<String>) {
+    let mut beside = |path: &str| -> Result<Box<dyn AsRef<[u8]>>, String> {
+        let found = files.iter().find(|(name, _)| *name == path);
+        found.map(|(_, text)| Box::new(text.as_bytes().to_vec()) as _).ok_or_else(|| format!("no `{path}`"))
+    };
+    let (model, notes) = read_parts("obj", text.as_bytes(), &mut beside).expect("a good file");
+    (model, said(&notes))
+}
+
+#[test]
+fn libraries_are_found_by_all_their_names() {
+    let text = |lib: &str| {
+        format!("\u{feff}mtllib {lib}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nusemtl red # x\nf 1//1 2//1 3//1\n")
+    };
+    let files = [
+        ("a.mtl", "\u{feff}newmtl red\nKd 1 0 0\n"),
+        ("b.mtl", "newmtl blue\n"),
+        ("my lib.mtl", "newmtl red\nKd 1 0 0"),
+    ];
+    for lib in ["a.mtl", "\"a.mtl\"", "my lib.mtl", "b.mtl a.mtl", "a.mtl # the library"] {
+        let (model, notes) = with_files(&text(lib), &files);
+        let surface = model.parts[0].surface.map(|at| model.surfaces[at].scatter.clone());
+        assert_eq!((surface, notes), (Some(Scatter::Diffuse([1.0, 0.0, 0.0])), vec![]), "{lib}");
+    }
+    let (model, notes) = with_files(&text("C:\\x\\a.mtl"), &files);
+    assert!(model.parts[0].surface.is_some());
+    assert_eq!(notes, ["mesh-file line 1: of an absolute path only `a.mtl` is looked for"]);
+    let (model, notes) = with_files(&text("c.mtl"), &files);
+    assert_eq!(model.parts[0].surface, None);
+    let missing = [
+        "loss-dropped line 1: materials are not read: no `c.mtl`",
+        "loss-dropped : 1 material in no library, the first is `red # x`",
+    ];
+    assert_eq!(notes, missing);
+    // Nothing that a library says refuses the mesh.
+    let (_, notes) = with_files(&text("bad.mtl"), &[("bad.mtl", "newmtl red\nKd spectral x.rfl\nKs 1 2\n")]);
+    assert_eq!(notes.len(), 2, "{notes:?}");
+}
+
+#[test]
+fn textures_are_scaled_and_moved_by_their_options() {
+    let text =
+        "mtllib a.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1/1 2/2/1 3/3/1\n";
+    let (model, notes) = with_files(text, &[("a.mtl", "newmtl a\nmap_Kd -s 2 3 1 -o 0.5 0 0 oak.png\n")]);
+    assert_eq!(model.meshes[0].1.uvs, Some(vec![[0.5, 0.0], [2.5, 0.0], [0.5, 3.0]]));
+    assert_eq!(model.surfaces[0].picture, Some(Picture::Beside("oak.png".to_owned())));
+    assert_eq!(notes, ["loss-baked : the options `-s` and `-o` of a texture are in the texture coordinates"]);
+}
+
+#[test]
+fn concave_faces_keep_their_area_in_all_formats() {
+    let area = |extension: &str, text: &str| {
+        let (geometry, _) = read(extension, text.as_bytes(), None, &mut alone).expect("a good file");
+        crate::mesh::area((&geometry).into())
+    };
+    let dart = "v 4 -2 0\nv 1 0 0\nv 4 2 0\nv 0 0 0\n";
+    assert_eq!(area("obj", &format!("{dart}f 1 2 3 4\n")), 2.0);
+    // Before its corners.
+    assert_eq!(area("obj", &format!("f 1 2 3 4\n{dart}")), 2.0);
+    let loops = "v 0 0 0\nv 4 0 0\nv 4 4 0\nv 0 4 0\nv 1 1 0\nv 1 3 0\nv 3 3 0\nv 3 1 0\nf 1 2 3 4 1 5 6 7 8 5\n";
+    assert_eq!(area("obj", loops), 12.0);
+    let stl = "solid a\nfacet normal 0 0 1\nouter loop\nvertex 4 -2 0\nvertex 1 0 0\nvertex 4 2 0\nvertex 0 0 0\nendloop\nendfacet\nendsolid a\n";
+    assert_eq!(area("stl", stl), 2.0);
+    // Parts stay apart where a face falls into fewer triangles than its fan has.
+    let parts = "v 0 0 0\nv 1 0 0\nv 0 1 0\no a\nf 1 1 2 3\no b\nf 1 2 3\no c\nf 1 3 2\nf 1 2 3\n";
+    let (model, _) = read_parts("obj", parts.as_bytes(), &mut alone).expect("a good file");
+    let counts: Vec<(&str, usize)> =
+        model.parts.iter().map(|part| (part.name.as_str(), model.meshes[part.mesh].1.triangles.len())).collect();
+    assert_eq!(counts, [("a", 1), ("b", 1), ("c", 2)]);
 }
 
 #[test]
@@ -200,15 +368,25 @@ proptest! {
             text.push('\n');
         }
         let (ours, _) = obj(&text);
-        let options = tobj::LoadOptions { single_index: true, triangulate: true, ..tobj::LoadOptions::default() };
+        let options = tobj::LoadOptions { single_index: true, ..tobj::LoadOptions::default() };
         let no_materials = |_: &std::path::Path| Ok(Default::default());
         let (models, _) = tobj::load_obj_buf(&mut text.as_bytes(), &options, no_materials).expect("a good file");
         prop_assert_eq!(models.len(), 1);
         let theirs = &models[0].mesh;
         prop_assert_eq!(ours.normals.is_some(), with_normals);
         prop_assert_eq!(ours.uvs.is_some(), with_uvs);
-        prop_assert_eq!(theirs.indices.len(), ours.triangles.len() * 3);
-        for (ours_at, theirs_at) in ours.triangles.as_flattened().iter().zip(&theirs.indices) {
+        // How polygons are cut is not what is tested here.
+        let mut polygons = finish::Faces::default();
+        let mut rest = &theirs.indices[..];
+        for at in 0..faces.len() {
+            let (face, after) = rest.split_at(theirs.face_arities.get(at).map_or(3, |arity| *arity as usize));
+            polygons.push(face, String::new);
+            rest = after;
+        }
+        let position = |at: u32| [0, 1, 2].map(|axis| theirs.positions[3 * at as usize + axis]);
+        let cut = polygons.finish(position, &mut Vec::new()).expect("triangles").triangles;
+        prop_assert_eq!(cut.len(), ours.triangles.len());
+        for (ours_at, theirs_at) in ours.triangles.as_flattened().iter().zip(cut.as_flattened()) {
             let (o, t) = (*ours_at as usize, *theirs_at as usize);
             prop_assert_eq!(&ours.positions[o][..], &theirs.positions[3 * t..][..3]);
             if let Some(uvs) = &ours.uvs {
@@ -218,6 +396,7 @@ proptest! {
                 prop_assert_eq!(&normals[o][..], &theirs.normals[3 * t..][..3]);
             }
         }
-        prop_assert_eq!(ours.positions.len() * 3, theirs.positions.len());
+        let used: std::collections::BTreeSet<&u32> = cut.as_flattened().iter().collect();
+        prop_assert_eq!(ours.positions.len(), used.len());
     }
 }

@@ -1,9 +1,8 @@
 //! PLY as text: one line per item, numbers separated by blanks.
 
-use std::str::FromStr;
-
+use super::super::text::{no_number, number};
 use super::header::{Element, Kind};
-use super::{COLUMNS, Faces, File, FileError, Note, Vertices, shown, too_short, wrong_index};
+use super::{COLUMNS, Faces, File, FileError, List, Note, Vertices, add, shown, too_short};
 
 /// Reads the elements after the header.
 pub(super) fn read(file: &File<'_>, notes: &mut Vec<Note>) -> Result<(Vertices, Faces), FileError> {
@@ -23,8 +22,8 @@ pub(super) fn read(file: &File<'_>, notes: &mut Vec<Note>) -> Result<(Vertices, 
         }
         if at == file.layout.vertex {
             vertices = read_vertices(file, element, &mut lines)?;
-        } else if at == file.layout.face {
-            read_faces(file, element, &mut lines, &mut faces)?;
+        } else if let Some(list) = file.layout.list(at) {
+            read_lists(file, list, &mut lines, &mut faces)?;
         } else {
             for item in 0..element.count {
                 lines.next(element, item)?;
@@ -58,7 +57,7 @@ fn read_vertices(file: &File<'_>, element: &Element, lines: &mut Lines<'_>) -> R
         let mut values = [0.0; COLUMNS];
         for (property, column) in element.properties.iter().zip(&columns) {
             match (property.kind, column) {
-                (Kind::One(_), Some(column)) => values[*column] = words.number(lines.number, &property.name)?,
+                (Kind::One(_), Some(column)) => values[*column] = words.float(lines.number, &property.name)?,
                 (kind, _) => words.skip(kind, lines.number, &property.name)?,
             }
         }
@@ -68,7 +67,8 @@ fn read_vertices(file: &File<'_>, element: &Element, lines: &mut Lines<'_>) -> R
     Ok(vertices)
 }
 
-fn read_faces(file: &File<'_>, element: &Element, lines: &mut Lines<'_>, faces: &mut Faces) -> Result<(), FileError> {
+fn read_lists(file: &File<'_>, list: List, lines: &mut Lines<'_>, faces: &mut Faces) -> Result<(), FileError> {
+    let element = &file.header.elements[list.element];
     let room = element.count.min(lines.rest.len() as u64 / 8);
     faces.triangles.reserve(room as usize);
     let mut corners: Vec<u32> = Vec::new();
@@ -77,21 +77,13 @@ fn read_faces(file: &File<'_>, element: &Element, lines: &mut Lines<'_>, faces: 
         let number = lines.number;
         let mut words = Words::new(line);
         for (at, property) in element.properties.iter().enumerate() {
-            if at != file.layout.corners {
+            if at != list.property {
                 words.skip(property.kind, number, &property.name)?;
                 continue;
             }
-            corners.clear();
-            for _ in 0..words.length(number, &property.name)? {
-                let index: i64 = words.number(number, &property.name)?;
-                match u32::try_from(index) {
-                    Ok(corner) if (corner as usize) < file.layout.vertices => corners.push(corner),
-                    Ok(_) | Err(_) => {
-                        return Err(wrong_index(format!("line {number}"), index, file.layout.vertices));
-                    }
-                }
-            }
-            faces.push(&corners, || format!("line {number}"));
+            let length = words.length(number, &property.name)?;
+            let indices = (0..length).map(|_| words.integer(number, &property.name));
+            add(list, indices, file.layout.vertices, &mut corners, faces, || format!("line {number}"))?;
         }
         words.end(number, element)?;
     }
@@ -142,6 +134,10 @@ impl<'a> Lines<'a> {
     }
 }
 
+fn unfit(line: usize, word: &[u8], property: &str) -> FileError {
+    no_number(format!("line {line}"), word, &format!(" that property `{}` can have", shown(property)))
+}
+
 /// The words of a line.
 struct Words<'a> {
     rest: &'a [u8],
@@ -160,23 +156,28 @@ impl<'a> Words<'a> {
         (!word.is_empty()).then_some(word)
     }
 
-    fn number<T: FromStr>(&mut self, line: usize, property: &str) -> Result<T, FileError> {
-        let Some(word) = self.word() else {
+    fn required(&mut self, line: usize, property: &str) -> Result<&'a [u8], FileError> {
+        self.word().ok_or_else(|| {
             let message = format!("the line ends before property `{}`", shown(property));
-            return Err(FileError::new(format!("line {line}"), message)
-                .help("every item of an element stands on one line with all its properties"));
-        };
-        // Floats are parsed as single precision at once: by way of double precision they would be rounded twice.
-        std::str::from_utf8(word).ok().and_then(|word| word.parse().ok()).ok_or_else(|| {
-            let word = String::from_utf8_lossy(word);
-            let message = format!("`{}` is no number that property `{}` can have", shown(&word), shown(property));
             FileError::new(format!("line {line}"), message)
+                .help("every item of an element stands on one line with all its properties")
         })
+    }
+
+    /// A number in single precision at once: by way of double precision it would be rounded twice.
+    fn float(&mut self, line: usize, property: &str) -> Result<f32, FileError> {
+        let word = self.required(line, property)?;
+        number(word).ok_or_else(|| unfit(line, word, property))
+    }
+
+    fn integer(&mut self, line: usize, property: &str) -> Result<i64, FileError> {
+        let word = self.required(line, property)?;
+        std::str::from_utf8(word).ok().and_then(|word| word.parse().ok()).ok_or_else(|| unfit(line, word, property))
     }
 
     /// The length of a list that fits in the line.
     fn length(&mut self, line: usize, property: &str) -> Result<usize, FileError> {
-        let length: i64 = self.number(line, property)?;
+        let length = self.integer(line, property)?;
         match usize::try_from(length) {
             // Each item takes a blank and a digit at least.
             Ok(length) if length <= self.rest.len() / 2 => Ok(length),

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::header::{Kind, Scalar};
-use super::{Faces, File, FileError, Vertices, wrong_index};
+use super::{Faces, File, FileError, List, Vertices, wrong_index};
 
 /// Below this many items a loop is not worth other threads.
 const WORTH_THREADS: usize = 1 << 15;
@@ -44,25 +44,36 @@ pub(super) fn vertices(file: &File<'_>, at: usize, big: bool) -> Option<(Vertice
 }
 
 /// Adds the faces from byte `at` and gives their end; none if their layout is another one.
-pub(super) fn faces(file: &File<'_>, at: usize, big: bool, faces: &mut Faces) -> Option<Result<usize, FileError>> {
-    let element = file.face();
+pub(super) fn faces(
+    file: &File<'_>,
+    list: List,
+    at: usize,
+    big: bool,
+    faces: &mut Faces,
+) -> Option<Result<usize, FileError>> {
+    let element = &file.header.elements[list.element];
     let (mut before, mut after) = (0, 0);
     for (index, property) in element.properties.iter().enumerate() {
         match property.kind {
-            Kind::One(scalar) if index < file.layout.corners => before += scalar.size(),
+            Kind::One(scalar) if index < list.property => before += scalar.size(),
             Kind::One(scalar) => after += scalar.size(),
-            Kind::List(Scalar::I8 | Scalar::U8, Scalar::I32 | Scalar::U32) if index == file.layout.corners => {}
+            Kind::List(Scalar::I8 | Scalar::U8, Scalar::I32 | Scalar::U32) if index == list.property => {}
             Kind::List(..) => return None,
         }
     }
     let count = usize::try_from(element.count).ok()?;
     let layout = Records { before, after, signed: false, big, vertices: file.layout.vertices };
-    let signed = element.properties[file.layout.corners].kind;
+    let signed = element.properties[list.property].kind;
     let layout = Records { signed: matches!(signed, Kind::List(Scalar::I8, _)), ..layout };
     Some(match layout.triangles(file.bytes, at, count) {
         Some(triangles) => {
             let end = at + count * layout.stride();
-            faces.triangles = triangles;
+            // Strips may have come before.
+            if faces.triangles.is_empty() {
+                faces.triangles = triangles;
+            } else {
+                faces.triangles.extend(triangles);
+            }
             Ok(end)
         }
         None => layout.polygons(file.bytes, at, count, faces),

@@ -6,7 +6,7 @@ use ply_rs_bw::ply::{
 };
 
 use super::header::{Element, Encoding, Kind, Scalar};
-use super::{COLUMNS, Faces, File, FileError, Note, Vertices, fast, shown, too_short, wrong_index};
+use super::{COLUMNS, Faces, File, FileError, List, Note, Vertices, add, fast, shown, too_short};
 
 /// Reads the elements after the header.
 pub(super) fn read(file: &File<'_>, notes: &mut Vec<Note>, quick: bool) -> Result<(Vertices, Faces), FileError> {
@@ -29,11 +29,11 @@ pub(super) fn read(file: &File<'_>, notes: &mut Vec<Note>, quick: bool) -> Resul
                 }
                 None => read_vertices(file, element, at, big, &mut vertices)?,
             };
-        } else if index == file.layout.face {
-            let end = if quick { fast::faces(file, at, big, &mut faces) } else { None };
+        } else if let Some(list) = file.layout.list(index) {
+            let end = if quick && !list.strip { fast::faces(file, list, at, big, &mut faces) } else { None };
             at = match end {
                 Some(end) => end?,
-                None => read_faces(file, element, at, big, &mut faces)?,
+                None => read_lists(file, list, at, big, &mut faces)?,
             };
         } else {
             at = skip(file.bytes, at, element, element.count, big)?;
@@ -129,20 +129,13 @@ fn read_vertices(
     })
 }
 
-fn read_faces(file: &File<'_>, element: &Element, at: usize, big: bool, faces: &mut Faces) -> Result<usize, FileError> {
-    let corners = file.layout.corners;
-    let definition = definition(element, |property| (property == corners).then(|| "corners".to_owned()));
-    let mut indices: Vec<u32> = Vec::new();
+fn read_lists(file: &File<'_>, list: List, at: usize, big: bool, faces: &mut Faces) -> Result<usize, FileError> {
+    let element = &file.header.elements[list.element];
+    let definition = definition(element, |property| (property == list.property).then(|| "corners".to_owned()));
+    let mut corners: Vec<u32> = Vec::new();
     each(file.bytes, at, element, &definition, big, |item, at| {
-        indices.clear();
-        for index in item.corners {
-            match u32::try_from(index) {
-                Ok(corner) if (corner as usize) < file.layout.vertices => indices.push(corner),
-                Ok(_) | Err(_) => return Err(wrong_index(format!("byte {at}"), index, file.layout.vertices)),
-            }
-        }
-        faces.push(&indices, || format!("byte {at}"));
-        Ok(())
+        let indices = item.corners.into_iter().map(Ok);
+        add(list, indices, file.layout.vertices, &mut corners, faces, || format!("byte {at}"))
     })
 }
 

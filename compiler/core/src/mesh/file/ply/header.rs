@@ -107,6 +107,8 @@ pub(super) struct Header {
     pub payload: usize,
     /// Lines of the header.
     pub lines: usize,
+    /// The first texture that a comment of MeshLab names, and its line.
+    pub texture: Option<(usize, String)>,
 }
 
 impl Header {
@@ -119,6 +121,7 @@ impl Header {
         let end = if carriage { b'\r' } else { b'\n' };
         let mut encoding = None;
         let mut elements: Vec<Element> = Vec::new();
+        let mut texture = None;
         let mut at = 0;
         let mut number = 0;
         loop {
@@ -135,6 +138,9 @@ impl Header {
             if keyword == b"end_header" && line.len() == keyword.len() {
                 at += length.map_or(rest.len(), |length| length + 1);
                 break;
+            }
+            if let Some(name) = line.strip_prefix(b"comment TextureFile ") {
+                texture.get_or_insert_with(|| (number, String::from_utf8_lossy(name).trim().to_owned()));
             }
             if !(number == 1 || line.is_empty() || keyword == b"comment" || keyword == b"obj_info") {
                 let Ok(line) = std::str::from_utf8(line) else {
@@ -156,7 +162,7 @@ impl Header {
             return Err(FileError::new(format!("line {number}"), "the header has no `format` line")
                 .help("write for example `format binary_little_endian 1.0` below `ply`"));
         };
-        Ok(Self { encoding, elements, payload: at, lines: number })
+        Ok(Self { encoding, elements, payload: at, lines: number, texture })
     }
 }
 

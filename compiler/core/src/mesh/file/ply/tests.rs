@@ -103,6 +103,13 @@ fn write(encoding: Encoding, tables: &[Table], newline: &str) -> Vec<u8> {
     out
 }
 
+/// The triangles of faces, which is not what is tested here.
+fn cut(positions: &[[f32; 3]], faces: impl Iterator<Item = Vec<u32>>) -> Vec<[u32; 3]> {
+    let mut all = Faces::default();
+    faces.for_each(|face| all.push(&face, String::new));
+    all.finish(|vertex| positions[vertex as usize], &mut Vec::new()).expect("triangles").triangles
+}
+
 /// A mesh and the ways to write it.
 #[derive(Clone, Debug)]
 struct Sample {
@@ -178,14 +185,11 @@ impl Sample {
 
     fn geometry(&self) -> Geometry {
         let count = self.positions.len();
-        let fan = |face: &Vec<u32>| -> Vec<[u32; 3]> {
-            (2..face.len()).map(|at| [face[0], face[at - 1], face[at]]).collect()
-        };
         Geometry {
             positions: self.positions.clone(),
             normals: self.normals.then(|| (0..count).map(Self::normal).collect()),
             uvs: self.uvs.map(|_| (0..count).map(Self::uv).collect()),
-            triangles: self.faces.iter().flat_map(fan).collect(),
+            triangles: cut(&self.positions, self.faces.iter().cloned()),
         }
     }
 }
@@ -280,12 +284,11 @@ proptest! {
                 let [x, y, z] = ["x", "y", "z"].map(|name| vertex[name].to_f32_lossy().expect("a number"));
                 prop_assert_eq!([x, y, z].map(f32::to_bits), position.map(f32::to_bits));
             }
-            let faces = theirs.payload["face"].iter().flat_map(|face| {
+            let faces = theirs.payload["face"].iter().map(|face| {
                 let name = if sample.extra { "vertex_indices" } else { "vertex_index" };
-                let face = face[name].to_u32_list().expect("integers");
-                (2..face.len()).map(|at| [face[0], face[at - 1], face[at]]).collect::<Vec<_>>()
+                face[name].to_u32_list().expect("integers")
             });
-            prop_assert!(faces.eq(geometry.triangles.iter().copied()));
+            prop_assert_eq!(cut(&geometry.positions, faces), geometry.triangles);
         }
     }
 
@@ -382,14 +385,15 @@ fn faults_of_the_header_have_their_line() {
     assert_fault("list uchar int", "list float int", "line 8", "length of list `vertex_indices` has the type `float`");
     assert_fault("list uchar int", "list uchar float", "line 7", "no integers");
     assert_fault("property list uchar int", "property int", "line 7", "no list");
-    assert_fault("vertex_indices", "vertices", "line 7", "no property `vertex_indices`");
+    assert_fault("vertex_indices", "a\nproperty list uchar int b", "line 7", "no property `vertex_indices`");
+    assert_fault("property list uchar int vertex_indices", "comment", "line 7", "no property `vertex_indices`");
     assert_fault("end_header", "end", "line 9", "`end` is no line of a PLY header");
     assert_fault("element face 1", "element face 1\n\u{1}\u{2}", "line 8", "\\u{1}\\u{2}");
     let header = TRIANGLE.split_inclusive("end_header").next().expect("a header").replace("end_header", "");
     assert_eq!(place_and_message(&header), ("line 9".to_owned(), "the header ends without `end_header`".to_owned()));
     let help = |text: &str| read(text.as_bytes()).map(|_| ()).expect_err("a bad file").help.unwrap_or_default();
     assert_eq!(help(&TRIANGLE.replace("element face", "element faces")), "is `faces` meant?");
-    assert!(help(&TRIANGLE.replace("element face", "element tristrips")).contains("triangle strips"));
+    assert!(help(&TRIANGLE.replace("element face", "element edge")).contains("holds points"));
     let binary = [b"ply\nformat ascii 1.0\n\xff\xfe\n", TRIANGLE.as_bytes()].concat();
     assert_eq!(read(&binary).map(|_| ()).expect_err("no text").place, "line 3");
     let comment = [b"ply\ncomment caf\xe9\n", &TRIANGLE.as_bytes()[4..]].concat();
@@ -468,8 +472,6 @@ fn faults_of_binary_items_have_their_byte() {
     let (vertex, face) = (payload + 24, payload + 72 + 13);
     let (place, message) = fault(vertex + 4, &f32::NAN.to_le_bytes());
     assert_eq!((place, message.contains("position of vertex 1")), (format!("byte {vertex}"), true));
-    let (place, message) = fault(vertex + 12, &[0; 12]);
-    assert_eq!((place, message.contains("normal of vertex 1 is zero")), (format!("byte {vertex}"), true));
     for (index, shown) in [(3_i32, "vertex 3,"), (-1, "vertex -1,"), (i32::MIN, "vertex -2147483648,")] {
         let (place, message) = fault(face + 5, &index.to_le_bytes());
         assert_eq!((place, message.contains(shown)), (format!("byte {face}"), true), "{message}");
@@ -499,8 +501,88 @@ fn normals_are_brought_to_unit_length_with_a_note() {
         said,
         [(Severity::Warn, "2 normals brought to unit length", "line 13"), (Severity::Info, unused, "line 16"),]
     );
-    let error = normals("0 0 0 0 0 2\n1 0 0 0 0 0\n0 1 0 0 0 1\n9 9 9 0 0 0\n").map(|_| ()).expect_err("zero");
-    assert_eq!((error.place.as_str(), error.message.as_str()), ("line 14", "the normal of vertex 1 is zero"));
+}
+
+#[test]
+fn normals_that_cannot_be_used_come_from_the_faces() {
+    let normals = |first: &str, rest: &str| {
+        let text = TRIANGLE
+            .replace("property float z", "property float z\nproperty float nx\nproperty float ny\nproperty float nz")
+            .replace("0 0 0\n1 0 0\n0 1 0\n", &format!("0 0 0 {first}\n1 0 0 {rest}\n0 1 0 {rest}\n"));
+        let (geometry, notes) = read(text.as_bytes()).expect("a good file");
+        let said: Vec<String> = notes.into_iter().map(|note| format!("{}: {}", note.place, note.message)).collect();
+        (geometry.normals, said)
+    };
+    let computed = "line 13: 1 normal that cannot be used, zero or not finite, computed from the faces around it";
+    for bad in ["0 0 0", "nan nan nan", "0 inf 0"] {
+        let (found, said) = normals(bad, "0.6 0 0.8");
+        assert_eq!(found, Some(vec![[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.6, 0.0, 0.8]]), "{bad}");
+        assert_eq!(said, [computed], "{bad}");
+    }
+    let none = "line 13: 3 normals that are zero or not finite left out, and no others are there";
+    assert_eq!(normals("0 0 0", "nan 0 0"), (None, vec![none.to_owned()]));
+}
+
+#[test]
+fn strips_are_triangles_of_alternate_winding() {
+    let flat = |list: &str| {
+        TRIANGLE
+            .replace("vertex 3", "vertex 5")
+            .replace("0 1 0\n", "0 1 0\n1 1 0\n0 2 0\n")
+            .replace("element face", "element tristrips")
+            .replace("uchar int", "int int")
+            .replace("3 0 1 2", list)
+    };
+    // After a restart the first triangle is wound as it stands; two of that strip have a corner twice.
+    for (list, expected) in
+        [("5 0 1 2 3 4", &[[0, 1, 2], [1, 3, 2], [2, 3, 4]][..]), ("9 0 1 2 -1 2 1 1 3 4", &[[0, 1, 2], [1, 3, 4]])]
+    {
+        let (geometry, notes) = read(flat(list).as_bytes()).expect("a good file");
+        assert_eq!((geometry.triangles.as_slice(), notes), (expected, vec![]), "{list}");
+    }
+    assert_eq!(place_and_message(&flat("4 0 1 2 5")).0, "line 15");
+    // Binary, before faces and with a mark of 32 bits without sign.
+    let table = |name: &'static str, scalar: Scalar, items: &[&[f64]]| {
+        let items: Vec<Vec<Field>> =
+            items.iter().map(|item| vec![Field::List(Scalar::U8, scalar, item.to_vec())]).collect();
+        Table { name, properties: vec!["vertex_indices"], shape: items[0].clone(), items }
+    };
+    let corner =
+        |x: f64, y: f64| vec![Field::One(Scalar::F32, x), Field::One(Scalar::F32, y), Field::One(Scalar::F32, 0.0)];
+    let items: Vec<Vec<Field>> = [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(x, y)| corner(x.into(), y.into())).into();
+    let vertices = Table { name: "vertex", properties: vec!["x", "y", "z"], shape: items[0].clone(), items };
+    let strips = table("tristrips", Scalar::U32, &[&[0.0, 1.0, 2.0, f64::from(u32::MAX), 1.0, 3.0, 2.0]]);
+    let faces = table("face", Scalar::I32, &[&[2.0, 1.0, 0.0]]);
+    for encoding in ENCODINGS {
+        let bytes = write(encoding, &[vertices.clone(), strips.clone(), faces.clone()], "\n");
+        for fast in [true, false] {
+            let (geometry, notes) = read_by(&bytes, fast).expect("a good file");
+            assert_eq!((geometry.triangles, notes), (vec![[0, 1, 2], [1, 3, 2], [2, 1, 0]], vec![]), "{encoding:?}");
+        }
+    }
+}
+
+#[test]
+fn unusual_headers_are_understood() {
+    let same = |text: &str| {
+        let (geometry, notes) = read(text.as_bytes()).expect("a good file");
+        assert_eq!(geometry, read(TRIANGLE.as_bytes()).expect("a good file").0);
+        notes.into_iter().map(|note| (note.severity, note.place, note.message)).collect::<Vec<_>>()
+    };
+    assert_eq!(same(&format!("\u{feff}{TRIANGLE}")), []);
+    assert_eq!(same(&format!("\u{feff}{}", TRIANGLE.replace('\n', "\r\n"))), []);
+    for name in ["vertex_index", "vertexIndices", "indices"] {
+        assert_eq!(same(&TRIANGLE.replace("vertex_indices", name)), []);
+    }
+    let textured = TRIANGLE
+        .replace("element face", "comment TextureFile oak.png\nelement face")
+        .replace("vertex_indices", "vertex_indices\nproperty list uchar float texcoord\nproperty int texnumber")
+        .replace("3 0 1 2", "3 0 1 2 6 0 0 1 0 0 1 0");
+    let said = same(&textured);
+    let texture = "the texture `oak.png`, which a comment names, is not read";
+    assert_eq!(said[0], (Severity::Info, "line 7".to_owned(), texture.to_owned()));
+    let corners = "the properties `texcoord`, `texnumber` of element `face` are not read";
+    assert_eq!(said[1], (Severity::Warn, "line 8".to_owned(), corners.to_owned()));
 }
 
 #[test]
@@ -508,7 +590,17 @@ fn what_is_not_read_is_said() {
     let text = TRIANGLE.replace("property float z", "property float z\nproperty uchar red\nproperty uchar green");
     let text = text.replace("0 0 0\n1 0 0\n0 1 0\n", "0 0 0 1 2\n1 0 0 3 4\n0 1 0 5 6\n");
     let notes = read(text.as_bytes()).expect("a good file").1;
-    assert_eq!(notes[0].message, "of element `vertex` the properties `red`, `green` are not read");
+    assert_eq!(notes[0].message, "the properties `red`, `green` of element `vertex` are not read");
+    assert_eq!(
+        (notes[0].fate.code(), notes[0].severity, notes[0].place.as_str()),
+        ("loss-dropped", Severity::Warn, "line 3")
+    );
+    let text = TRIANGLE.replace("property list", "property uchar flags\nproperty list").replace("\n3 0", "\n9 3 0");
+    let notes = read(text.as_bytes()).expect("a good file").1;
+    assert_eq!(
+        (notes[0].message.as_str(), notes[0].severity),
+        ("the property `flags` of element `face` is not read", Severity::Info)
+    );
 }
 
 #[test]

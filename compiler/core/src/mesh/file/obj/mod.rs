@@ -3,13 +3,16 @@
 //! Own code instead of the crate tobj, which gives errors without a line, takes index 0 for a missing one, reads `l`
 //! lines as faces and overflows on negative indices before the first element. The tests compare the two on good files.
 
-use std::collections::{BTreeMap, BTreeSet};
+mod build;
+
+use std::collections::BTreeMap;
 use std::str::FromStr;
 
-use super::finish::{Faces, finish};
-use super::model::{Model, Part, Surface, Unique};
-use super::{Beside, FileError, Note, missing_part, mtl, plural};
-use crate::ir::Affine;
+use super::model::Model;
+use super::mtl::Materials;
+use super::polygons::Faces;
+use super::text::{file_name, lines, no_number, number, text};
+use super::{Beside, FileError, Note, missing_part};
 use crate::mesh::Geometry;
 
 const NONE: u32 = u32::MAX;
@@ -20,6 +23,7 @@ const MOST_COMPARED: usize = 64;
 
 /// Reads the file, or the faces in the object or group called `part`.
 pub(super) fn read(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<Note>), FileError> {
+    let bytes = &*text(bytes)?;
     let mut reader = Reader { part: part.map(str::as_bytes), selected: part.is_none(), ..Reader::default() };
     reader.run(bytes)?;
     reader.check_forward_indices()?;
@@ -33,26 +37,51 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<No
 
 /// Reads the objects or groups, one part for each material in each, with the materials of the libraries that it names.
 pub(super) fn read_parts(bytes: &[u8], beside: &mut Beside<'_>) -> Result<(Model, Vec<Note>), FileError> {
+    let bytes = &*text(bytes)?;
     let mut reader = Reader { selected: true, split: true, ..Reader::default() };
     reader.run(bytes)?;
     reader.check_forward_indices()?;
     let mut notes = Vec::new();
-    let mut surfaces = Vec::new();
-    let mut known = BTreeMap::new();
-    for (name, line) in std::mem::take(&mut reader.libraries) {
-        let path = String::from_utf8_lossy(&name).into_owned();
-        match beside(&path) {
-            Ok(library) => mtl::read((*library).as_ref(), &path, &mut surfaces, &mut known, &mut notes)?,
-            Err(message) => notes.push(Note::warn(format!("line {line}"), message)),
+    let mut materials = Materials::default();
+    for (line, written) in std::mem::take(&mut reader.libraries) {
+        library(&written, line, beside, &mut materials, &mut notes);
+    }
+    reader.model(bytes, materials, notes)
+}
+
+/// Reads the libraries that a statement `mtllib` names. Names may contain blanks, and a statement several names.
+fn library(written: &[u8], line: usize, beside: &mut Beside<'_>, materials: &mut Materials, notes: &mut Vec<Note>) {
+    let place = format!("line {line}");
+    let whole = String::from_utf8_lossy(written).into_owned();
+    let several = whole.to_ascii_lowercase().contains(".mtl ");
+    let names: Vec<&str> =
+        if several { whole.split_whitespace().take_while(|name| *name != "#").collect() } else { vec![&whole] };
+    let mut read = |name: &str, notes: &mut Vec<Note>| {
+        let (path, absolute) = file_name(name);
+        let library = beside(path)?;
+        if absolute {
+            let message = format!("of an absolute path only `{}` is looked for", super::shown(path));
+            notes.push(Note::warn(place.clone(), message));
+        }
+        materials.read((*library).as_ref(), path, notes);
+        Ok(())
+    };
+    // A name with blanks may look like several.
+    if several && read(&whole, notes).is_ok() {
+        return;
+    }
+    for name in names {
+        if let Err(message) = read(name, notes) {
+            let message: String = message;
+            notes.push(Note::dropped(place.clone(), format!("materials are not read: {message}")));
         }
     }
-    reader.model(bytes, surfaces, &known, notes)
 }
 
 /// The names of the objects and groups that have faces.
 pub(super) fn parts(bytes: &[u8]) -> Result<Vec<String>, FileError> {
     let mut reader = Reader { selected: true, ..Reader::default() };
-    reader.run(bytes)?;
+    reader.run(&text(bytes)?)?;
     reader.check_forward_indices()?;
     Ok(reader.names())
 }
@@ -84,18 +113,36 @@ struct Reader<'a> {
     named: BTreeMap<Vec<u8>, usize>,
     /// Indices beyond the end of their list so far: list, index from 0, line.
     forward: Vec<(usize, u32, usize)>,
-    /// What is not read: for each reason the first line and how often.
-    unread: BTreeMap<&'static str, (usize, u64)>,
+    /// What is not read: for each kind of thing the first line and how often.
+    unread: BTreeMap<Unread, (usize, u64)>,
     unknown: Option<(usize, String, u64)>,
-    smoothing: Option<usize>,
+    /// The current smoothing group, 0 for none; and where groups begin among the triangles, with the first line.
+    group: u32,
+    smoothing: Vec<(usize, u32)>,
+    first_smooth: Option<usize>,
     /// Whether the faces are to be told apart by their material, the current one, and whether anything that tells them
     /// apart has changed since the last face.
     split: bool,
     material: Vec<u8>,
     same: bool,
     runs: Vec<Run>,
-    /// Material libraries with their lines.
-    libraries: Vec<(Vec<u8>, usize)>,
+    /// Statements that name material libraries, with their lines.
+    libraries: Vec<(usize, Vec<u8>)>,
+}
+
+/// What an OBJ file may have that is not read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Unread {
+    AbsentUvs,
+    AbsentNormals,
+    Colors,
+    Surfaces,
+    Curves,
+    Lines,
+    Weights,
+    Materials,
+    Attributes,
+    Maps,
 }
 
 /// Faces of one part and one material, from triangle `first` on.
@@ -111,32 +158,14 @@ impl Reader<'_> {
             return Err(FileError::new("", "the file is empty"));
         }
         self.fresh = true;
-        let mut joined = Vec::new();
-        let mut lines = bytes.split(|byte| *byte == b'\n').enumerate();
-        while let Some((index, line)) = lines.next() {
-            let number = index + 1;
-            let mut line = line.trim_ascii();
-            if line.ends_with(b"\\") {
-                // A backslash joins the next line.
-                joined.clear();
-                while let Some(start) = line.strip_suffix(b"\\") {
-                    joined.extend_from_slice(start);
-                    joined.push(b' ');
-                    line = lines.next().map_or(&[][..], |(_, next)| next.trim_ascii());
-                }
-                joined.extend_from_slice(line);
-                self.line(&joined, number)?;
-            } else {
-                self.line(line, number)?;
-            }
-        }
-        Ok(())
+        lines(bytes, |line, number| self.line(line, number))
     }
 
     fn line(&mut self, line: &[u8], number: usize) -> Result<(), FileError> {
         let line = match line.iter().position(|byte| *byte == b'#') {
+            Some(0) => return self.comment(line, number),
             // Names may contain `#`, numbers may not: a comment behind them ends the line.
-            Some(at) if at == 0 || line.starts_with(b"v") || line.starts_with(b"f") => &line[..at],
+            Some(at) if line.starts_with(b"v") || line.starts_with(b"f") => &line[..comment(line, at)],
             Some(_) | None => line,
         };
         let end = line.iter().position(u8::is_ascii_whitespace).unwrap_or(line.len());
@@ -146,9 +175,9 @@ impl Reader<'_> {
             b"v" => self.position(rest, number),
             b"vt" => {
                 let mut words = words(rest);
-                let u = float(words.next(), number, "texture coordinate")?;
+                let u = number_of(words.next(), number, "texture coordinate")?;
                 let v = match words.next() {
-                    Some(word) => float(Some(word), number, "texture coordinate")?,
+                    Some(word) => number_of(Some(word), number, "texture coordinate")?,
                     None => 0.0,
                 };
                 self.uvs.push([u, v]);
@@ -173,19 +202,19 @@ impl Reader<'_> {
                 Ok(())
             }
             b"s" => {
-                if rest != b"off" && rest != b"0" {
-                    self.smoothing.get_or_insert(number);
+                self.group = match rest {
+                    b"" | b"off" => 0,
+                    b"on" => 1,
+                    _ => words(rest).next().and_then(parse).unwrap_or(u32::MAX),
+                };
+                if self.group != 0 {
+                    self.first_smooth.get_or_insert(number);
                 }
                 Ok(())
             }
             b"mtllib" if self.split => {
-                // Names may contain blanks, and a statement several names: only one with an ending is told.
-                let several = rest.windows(5).any(|end| end.eq_ignore_ascii_case(b".mtl "));
-                let names = if several { words(rest).map(<[u8]>::to_vec).collect() } else { vec![rest.to_vec()] };
-                for name in names {
-                    if !self.libraries.iter().any(|(known, _)| *known == name) {
-                        self.libraries.push((name, number));
-                    }
+                if !self.libraries.iter().any(|(_, known)| known == rest) {
+                    self.libraries.push((number, rest.to_vec()));
                 }
                 Ok(())
             }
@@ -194,23 +223,14 @@ impl Reader<'_> {
                 self.same = false;
                 Ok(())
             }
-            b"mtllib" | b"usemtl" => {
-                self.skip("materials are not read: a shape gets its own by `with`", number);
-                Ok(())
-            }
-            b"p" | b"l" => {
-                self.skip("points and lines are not read", number);
-                Ok(())
-            }
-            b"vp" | b"cstype" | b"deg" | b"bmat" | b"step" | b"curv" | b"curv2" | b"surf" | b"parm" | b"trim"
-            | b"hole" | b"scrv" | b"sp" | b"end" | b"con" | b"mg" => {
-                self.skip("curves and free-form surfaces are not read", number);
-                Ok(())
-            }
-            b"bevel" | b"c_interp" | b"d_interp" | b"lod" | b"shadow_obj" | b"trace_obj" | b"ctech" | b"stech"
-            | b"maplib" | b"usemap" => {
-                self.skip("display and rendering attributes are not read", number);
-                Ok(())
+            b"mtllib" | b"usemtl" => self.skip(Unread::Materials, number),
+            b"p" | b"l" => self.skip(Unread::Lines, number),
+            b"surf" => self.skip(Unread::Surfaces, number),
+            b"vp" | b"cstype" | b"deg" | b"bmat" | b"step" | b"curv" | b"curv2" | b"parm" | b"trim" | b"hole"
+            | b"scrv" | b"sp" | b"end" | b"con" | b"mg" => self.skip(Unread::Curves, number),
+            b"maplib" | b"usemap" => self.skip(Unread::Maps, number),
+            b"bevel" | b"c_interp" | b"d_interp" | b"lod" | b"shadow_obj" | b"trace_obj" | b"ctech" | b"stech" => {
+                self.skip(Unread::Attributes, number)
             }
             _ => {
                 let unknown = self.unknown.get_or_insert_with(|| (number, shown(keyword), 0));
@@ -230,12 +250,17 @@ impl Reader<'_> {
             (None, _) => {}
             (Some(weight), 0) => {
                 if float(Some(weight), number, "position")? != 1.0 {
-                    self.skip("weights of rational curves, the fourth number of a position, are not read", number);
+                    self.skip(Unread::Weights, number)?;
                 }
             }
-            (Some(_), _) => self.skip("vertex colours are not read", number),
+            (Some(_), _) => self.skip(Unread::Colors, number)?,
         }
         Ok(())
+    }
+
+    /// ZBrush writes colors of vertices into comments.
+    fn comment(&mut self, line: &[u8], number: usize) -> Result<(), FileError> {
+        if line.starts_with(b"#MRGB ") { self.skip(Unread::Colors, number) } else { Ok(()) }
     }
 
     fn face(&mut self, rest: &[u8], number: usize) -> Result<(), FileError> {
@@ -252,6 +277,9 @@ impl Reader<'_> {
             let part = if self.object.is_empty() { &self.groups } else { &self.object };
             let first = self.faces.triangles.len();
             self.runs.push(Run { first, part: part.clone(), material: self.material.clone() });
+        }
+        if self.group != self.smoothing.last().map_or(0, |(_, group)| *group) {
+            self.smoothing.push((self.faces.triangles.len(), self.group));
         }
         self.scratch.clear();
         for word in words(rest) {
@@ -305,8 +333,20 @@ impl Reader<'_> {
         Ok(found)
     }
 
-    fn check_forward_indices(&self) -> Result<(), FileError> {
+    fn check_forward_indices(&mut self) -> Result<(), FileError> {
         let lengths = [self.positions.len(), self.uvs.len(), self.normals.len()];
+        // Some programs number texture coordinates and normals of which they write none.
+        for (list, what) in [(1, Unread::AbsentUvs), (2, Unread::AbsentNormals)] {
+            if lengths[list] > 0 {
+                continue;
+            }
+            let mut absent = self.forward.iter().filter(|(other, _, _)| *other == list).map(|(_, _, number)| *number);
+            if let Some(line) = absent.next() {
+                self.unread.insert(what, (line, absent.count() as u64 + 1));
+                self.forward.retain(|(other, _, _)| *other != list);
+                self.corners.iter_mut().for_each(|corner| corner[list] = NONE);
+            }
+        }
         match self.forward.iter().find(|(list, index, _)| *index as usize >= lengths[*list]) {
             None => Ok(()),
             Some((list, index, number)) => {
@@ -343,164 +383,12 @@ impl Reader<'_> {
         ranked.into_iter().map(|(_, name)| name).collect()
     }
 
-    fn skip(&mut self, reason: &'static str, number: usize) {
-        self.unread.entry(reason).or_insert((number, 0)).1 += 1;
+    /// Counts something that is not read.
+    #[expect(clippy::unnecessary_wraps, reason = "it ends the reading of a line")]
+    fn skip(&mut self, what: Unread, number: usize) -> Result<(), FileError> {
+        self.unread.entry(what).or_insert((number, 0)).1 += 1;
+        Ok(())
     }
-
-    /// Notes what was not read.
-    fn say(&self, notes: &mut Vec<Note>) {
-        for (reason, (line, _)) in &self.unread {
-            notes.push(Note::info(format!("line {line}"), *reason));
-        }
-        if let Some((line, word, count)) = &self.unknown {
-            let message = format!("{} not understood, the first is `{word}`", plural(*count, "line"));
-            notes.push(Note::warn(format!("line {line}"), message).help("is this an OBJ file?"));
-        }
-    }
-
-    fn finish(mut self, bytes: &[u8]) -> Result<(Geometry, Vec<Note>), FileError> {
-        let mut notes = Vec::new();
-        self.say(&mut notes);
-        let triangles = std::mem::take(&mut self.faces).finish(&mut notes)?;
-        let mut newest = vec![NONE; self.positions.len()];
-        let geometry = self.build(&triangles, &mut newest, bytes, &mut notes)?;
-        Ok((geometry, notes))
-    }
-
-    fn model(
-        mut self,
-        bytes: &[u8],
-        surfaces: Vec<Surface>,
-        known: &BTreeMap<Vec<u8>, usize>,
-        mut notes: Vec<Note>,
-    ) -> Result<(Model, Vec<Note>), FileError> {
-        self.say(&mut notes);
-        let triangles = std::mem::take(&mut self.faces).finish(&mut notes)?;
-        // The triangles of each part and material, in the order in which these come first.
-        let mut ranks = BTreeMap::new();
-        let mut parts: Vec<(&Run, Vec<[u32; 3]>)> = Vec::new();
-        for (at, run) in self.runs.iter().enumerate() {
-            let end = self.runs.get(at + 1).map_or(triangles.len(), |next| next.first);
-            let own = &triangles[run.first.min(end)..end];
-            if own.is_empty() {
-                continue;
-            }
-            let rank = *ranks.entry((&run.part, &run.material)).or_insert(parts.len());
-            if rank == parts.len() {
-                parts.push((run, Vec::new()));
-            }
-            parts[rank].1.extend_from_slice(own);
-        }
-        let mut model = Model { surfaces, ..Model::default() };
-        let mut names = Unique::default();
-        let mut newest = vec![NONE; self.positions.len()];
-        let mut missing = BTreeSet::new();
-        let mut materials: BTreeMap<&[u8], BTreeSet<&[u8]>> = BTreeMap::new();
-        for Run { first: _, part, material } in &self.runs {
-            materials.entry(part).or_default().insert(material);
-        }
-        for (Run { first: _, part, material }, own) in parts {
-            let geometry = self.build(&own, &mut newest, bytes, &mut notes)?;
-            let surface = known.get(material).copied();
-            if surface.is_none() && !material.is_empty() {
-                missing.insert(shown(material));
-            }
-            let several = materials.get(part.as_slice()).is_some_and(|all| all.len() > 1);
-            let name = String::from_utf8_lossy(part).into_owned();
-            let name = match (several, name.is_empty()) {
-                (false, _) => name,
-                (true, true) => String::from_utf8_lossy(material).into_owned(),
-                (true, false) => format!("{name} {}", String::from_utf8_lossy(material)),
-            };
-            let name = names.name(&name);
-            model.parts.push(Part { name, mesh: model.meshes.len(), surface, transform: Affine::IDENTITY });
-            model.meshes.push((String::from_utf8_lossy(part).into_owned(), geometry));
-        }
-        if let Some(first) = missing.first() {
-            let message = format!("{} in no library, the first is `{first}`", plural(missing.len() as u64, "material"));
-            notes.push(Note::warn("", message));
-        }
-        Ok((model, notes))
-    }
-
-    /// The mesh of some triangles over the corners. `newest` is as long as the positions and full of [`NONE`], also
-    /// afterwards.
-    fn build(
-        &self,
-        triangles: &[[u32; 3]],
-        newest: &mut [u32],
-        bytes: &[u8],
-        notes: &mut Vec<Note>,
-    ) -> Result<Geometry, FileError> {
-        let total = triangles.len() as u64 * 3;
-        // Per corner of a triangle: faces of fewer than three corners do not count.
-        let having = |list: usize| {
-            let has = |corner: &&u32| self.corners[**corner as usize][list] != NONE;
-            triangles.as_flattened().iter().filter(has).count() as u64
-        };
-        let mut complete = |list: usize, what: &str| {
-            let count = having(list);
-            if count > 0 && count < total {
-                let message = format!("only {count} of {total} corners have {what}, so none are read");
-                notes.push(Note::warn("", message));
-            }
-            count == total
-        };
-        let (with_uvs, with_normals) = (complete(1, "texture coordinates"), complete(2, "normals"));
-        if let (Some(line), false) = (self.smoothing, with_normals) {
-            let note = Note::info(format!("line {line}"), "smoothing groups are not read");
-            notes.push(note.help("write `|> smooth(crease: 30deg)` behind the file"));
-        }
-        let mut geometry = Geometry {
-            positions: Vec::new(),
-            normals: with_normals.then(Vec::new),
-            uvs: with_uvs.then(Vec::new),
-            triangles: Vec::with_capacity(triangles.len()),
-        };
-        // For each position `newest` has the newest vertex made from it, `made` for each vertex the one before it and its
-        // corner.
-        let mut made: Vec<(u32, Corner)> = Vec::new();
-        for triangle in triangles {
-            geometry.triangles.push(triangle.map(|corner| {
-                let [position, uv, normal] = self.corners[corner as usize];
-                let key = [position, if with_uvs { uv } else { NONE }, if with_normals { normal } else { NONE }];
-                let mut at = newest[position as usize];
-                for _ in 0..MOST_COMPARED {
-                    if at == NONE {
-                        break;
-                    }
-                    let (before, other) = made[at as usize];
-                    if other == key {
-                        return at;
-                    }
-                    at = before;
-                }
-                let vertex = made.len() as u32;
-                made.push((std::mem::replace(&mut newest[position as usize], vertex), key));
-                geometry.positions.push(self.positions[position as usize]);
-                if let Some(uvs) = &mut geometry.uvs {
-                    uvs.push(self.uvs[uv as usize]);
-                }
-                if let Some(normals) = &mut geometry.normals {
-                    normals.push(self.normals[normal as usize]);
-                }
-                vertex
-            }));
-        }
-        for (_, [position, _, _]) in &made {
-            newest[*position as usize] = NONE;
-        }
-        // Only a normal can be unfit now.
-        finish(&mut geometry, notes, |vertex| line_of(bytes, b"vn", made[vertex].1[2]))?;
-        Ok(geometry)
-    }
-}
-
-/// The line of statement `index` (from 0) with this keyword; slow, for messages.
-fn line_of(bytes: &[u8], keyword: &[u8], index: u32) -> String {
-    let is = |line: &[u8]| line.split(u8::is_ascii_whitespace).next() == Some(keyword);
-    let mut lines = bytes.split(|byte| *byte == b'\n').enumerate().filter(|(_, line)| is(line.trim_ascii()));
-    lines.nth(index as usize).map_or(String::new(), |(line, _)| format!("line {}", line + 1))
 }
 
 fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
@@ -511,12 +399,18 @@ fn parse<T: FromStr>(word: &[u8]) -> Option<T> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
-/// A number that may be infinite or NaN: normals that no face uses may be.
+/// Where the comment begins whose `#` may be the one at `at`; some programs write `1.#IND` for what is no number.
+fn comment(line: &[u8], at: usize) -> usize {
+    let sign = |at: &usize| line[*at] == b'#' && line[*at - 1] != b'.';
+    (at..line.len()).find(sign).unwrap_or(line.len())
+}
+
+/// A number that may be infinite or NaN: who needs no normals or texture coordinates can do with those.
 fn number_of(word: Option<&[u8]>, line: usize, what: &str) -> Result<f32, FileError> {
     let Some(word) = word else {
         return Err(FileError::new(format!("line {line}"), format!("the {what} has too few numbers")));
     };
-    parse(word).ok_or_else(|| FileError::new(format!("line {line}"), format!("`{}` is no number", shown(word))))
+    number(word).ok_or_else(|| no_number(format!("line {line}"), word, ""))
 }
 
 fn float(word: Option<&[u8]>, line: usize, what: &str) -> Result<f32, FileError> {
