@@ -7,7 +7,6 @@ mod document;
 mod emit;
 pub mod import;
 mod instancing;
-mod json;
 pub mod names;
 mod nodes;
 mod surface;
