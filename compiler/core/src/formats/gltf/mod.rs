@@ -146,4 +146,6 @@ fn supports(feature: Feature) -> Support {
 }
 
 #[cfg(test)]
+mod ranges_tests;
+#[cfg(test)]
 mod tests;
