@@ -6,7 +6,7 @@ use crate::ir::Scene;
 
 const RELATIVE: &str = "ior = interior / exterior, at least 1";
 const METAL: &str = "base color = ((eta - 1)^2 + k^2) / ((eta + 1)^2 + k^2), roughness = sqrt(alpha)";
-const EMISSION: &str = "emissive factor = L / max(L), emissive strength = max(L), over the channels of L";
+const EMISSION: &str = "emissive factor = L / max(L), emissive strength = max(L)";
 
 /// See [`crate::formats::Target::conversions`].
 pub const CONVERSIONS: &[(Feature, &str)] = &[

@@ -482,11 +482,10 @@ fn colours_of_vertices_multiply_the_base_colour() {
             let by =
                 push(document, "accessors", json!({"bufferView": 4, "componentType": 5126, "count": 4, "type": kind}));
             document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(by);
-            match material {
-                Value::Null => {
-                    document["meshes"][0]["primitives"][0].as_object_mut().expect("an object").remove("material");
-                }
-                material => document["materials"][0] = material,
+            if material.is_null() {
+                document["meshes"][0]["primitives"][0].as_object_mut().expect("an object").remove("material");
+            } else {
+                document["materials"][0] = material;
             }
         });
         let (model, _) = parts(&bytes);
@@ -588,8 +587,8 @@ fn specular_reflection_is_an_index_of_refraction_where_it_can_be() {
     let read =
         |extensions: Value| surface(json!({"pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": extensions}));
     let ior = |surface: &Surface| match surface.scatter {
-        Scatter::MetallicRoughness { ior, .. } => ior,
-        _ => 0.0,
+        Scatter::MetallicRoughness { ior, .. } | Scatter::Glass { ior, .. } => ior,
+        Scatter::Diffuse(_) | Scatter::Mirror(_) => 0.0,
     };
     let doubled = read(json!({"KHR_materials_specular": {"specularColorFactor": [2, 2, 2]}}));
     // 0.08 head-on.

@@ -22,6 +22,8 @@ const KNOWN: &[(&str, Handling)] = &[
     ("EXT_meshopt_compression", Spare),
     ("EXT_texture_webp", OfMaterials),
     ("EXT_texture_avif", OfMaterials),
+    // Of animations, which are not read and say so themselves.
+    ("KHR_animation_pointer", Spare),
     ("KHR_draco_mesh_compression", Spare),
     ("KHR_lights_punctual", Read),
     ("KHR_materials_anisotropy", OfMaterials),

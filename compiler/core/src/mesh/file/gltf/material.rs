@@ -168,9 +168,9 @@ fn look(
     if !unlit {
         for (name, factor, off, what) in UNREAD_OF_MATERIALS {
             let Some(own) = material.extension(name) else { continue };
-            let zero = |value: &Value| match value {
-                Value::Array(all) => all.iter().all(|one| one.as_f64() == Some(0.0)),
-                other => other.as_f64() == Some(0.0),
+            let zero = |value: &Value| {
+                let all = value.as_array().map_or(std::slice::from_ref(value), Vec::as_slice);
+                all.iter().all(|one| one.as_f64() == Some(0.0))
             };
             lose(own.get(factor).map_or(!off, |value| !zero(value)), what);
         }
@@ -234,7 +234,8 @@ fn metallic_roughness(material: Item<'_>, pbr: Option<Item<'_>>, base: Vec3, los
     lose(drawn, "textures of specular reflection");
     let [r, g, b] = specular.and_then(|own| own.row::<3>("specularColorFactor")).unwrap_or([1.0; 3]);
     // An index of 0 is one without end (KHR_materials_ior); a grey factor of the reflectance head-on is another index.
-    let head_on = if index == 0.0 { 1.0 } else { ((ior - 1.0) / (ior + 1.0)).powi(2) };
+    let root = if index == 0.0 { 1.0 } else { (ior - 1.0) / (ior + 1.0) };
+    let head_on = root * root;
     let scaled = head_on * r;
     let says = strength == 1.0 && r == g && g == b && (0.0..=MOST_HEAD_ON).contains(&scaled);
     lose(!says, "strength and colour of specular reflection");
