@@ -1,4 +1,4 @@
-//! What valid files hold beyond plain meshes: transforms of textures, instances, skins, morph targets, sparse accessors, colours of
+//! What valid files hold beyond plain meshes: transforms of textures, instances, skins, morph targets, sparse accessors, colors of
 //! vertices, extensions; and what files that are not valid say there.
 
 use serde_json::{Value, json};
@@ -402,6 +402,16 @@ fn valid_files_are_read_whatever_else_they_hold() {
             "the extension `ACME_thing` of glTF is not read",
         );
     }
+    let deep = (0..500).fold(json!(1), |inner, at| if at % 2 == 0 { json!([inner]) } else { json!({ "a": inner }) });
+    same(&|d| d["nodes"][0]["extras"] = deep.clone(), "");
+    same(
+        &|d| {
+            d["meshes"][0]["extensions"] = json!({"ACME_deep": deep.clone()});
+            d["extensionsUsed"] = json!(["ACME_deep"]);
+        },
+        "the extension `ACME_deep` of glTF is not read",
+    );
+    assert!(fault(&changed(|d| d["nodes"][0]["children"] = deep.clone())).contains("recursion limit"));
     same(&|d| d["cameras"] = json!([{"type": "perspective", "perspective": {"yfov": 1, "znear": 1}}]), "");
     same(
         &|d| {
@@ -475,7 +485,7 @@ fn what_is_required_is_read_or_named() {
 }
 
 #[test]
-fn colours_of_vertices_multiply_the_base_colour() {
+fn colors_of_vertices_multiply_the_base_color() {
     let colored = |colors: &[f32], material: Value| {
         let bytes = with_views(&[floats(colors)], |document| {
             let kind = if colors.len() == 16 { "VEC4" } else { "VEC3" };
@@ -517,7 +527,7 @@ fn colours_of_vertices_multiply_the_base_colour() {
         document["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = json!(by);
     });
     let (model, _) = parts(&bytes);
-    assert!(model.surfaces[1].lost.contains(&"colours of vertices over an image"), "{:?}", model.surfaces);
+    assert!(model.surfaces[1].lost.contains(&"colors of vertices over an image"), "{:?}", model.surfaces);
 }
 
 fn surface(material: Value) -> Surface {
@@ -545,7 +555,7 @@ fn extensions_of_materials_are_read_or_lost() {
     );
     assert!(coat.lost.is_empty());
     let mixed = glossy(json!({"diffuseFactor": [0.5, 0.5, 0.5, 1], "specularFactor": [0.5, 0.2, 0.1]}));
-    assert!(mixed.lost[0].contains("the colour of specular reflection"), "{mixed:?}");
+    assert!(mixed.lost[0].contains("the color of specular reflection"), "{mixed:?}");
 
     let unlit = surface(json!({"pbrMetallicRoughness": {"baseColorFactor": [0.1, 0.2, 0.7, 1]},
         "extensions": {"KHR_materials_unlit": {}}}));

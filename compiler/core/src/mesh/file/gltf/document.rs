@@ -2,9 +2,11 @@
 //!
 //! Nothing is asked of keys that nobody reads, so that no valid file is refused for what is an extension's or an application's.
 
+use serde::de::{DeserializeSeed, Deserializer, IgnoredAny, MapAccess, SeqAccess, Visitor};
 use serde_json::{Map, Value};
 
 use super::super::FileError;
+use super::extensions::is_read;
 
 /// An object of the document and where it stands: `/nodes/17`.
 #[derive(Clone, Copy)]
@@ -61,13 +63,89 @@ pub fn split(bytes: &[u8]) -> Result<(&[u8], Option<std::ops::Range<usize>>), Fi
     }
 }
 
-/// The values of a text.
+/// The values of a text. Where they are nested deeper than serde_json goes (128), what applications and extensions put there is left
+/// out.
 pub fn parse(text: &[u8]) -> Result<Value, FileError> {
     let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
-    serde_json::from_slice(text).map_err(|error| {
-        FileError::new(format!("line {} of the JSON", error.line()), format!("the JSON is malformed: {error}"))
-            .help("is this a glTF file?")
+    let without = || {
+        let mut reader = serde_json::Deserializer::from_slice(text);
+        let value = Pruned { of_extensions: false }.deserialize(&mut reader).ok()?;
+        reader.end().ok().map(|()| value)
+    };
+    serde_json::from_slice(text).or_else(|error| {
+        without().ok_or_else(|| {
+            FileError::new(format!("line {} of the JSON", error.line()), format!("the JSON is malformed: {error}"))
+                .help("is this a glTF file?")
+        })
     })
+}
+
+/// Reads a value without `extras` and without what stands in extensions that are not read.
+#[derive(Clone, Copy)]
+struct Pruned {
+    /// Whether the keys are names of extensions.
+    of_extensions: bool,
+}
+
+impl<'de> DeserializeSeed<'de> for Pruned {
+    type Value = Value;
+
+    fn deserialize<D: Deserializer<'de>>(self, from: D) -> Result<Value, D::Error> {
+        from.deserialize_any(self)
+    }
+}
+
+impl<'de> Visitor<'de> for Pruned {
+    type Value = Value;
+
+    fn expecting(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("a value of JSON")
+    }
+
+    fn visit_unit<E>(self) -> Result<Value, E> {
+        Ok(Value::Null)
+    }
+
+    fn visit_bool<E>(self, value: bool) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_u64<E>(self, value: u64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_i64<E>(self, value: i64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_f64<E>(self, value: f64) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_str<E>(self, value: &str) -> Result<Value, E> {
+        Ok(value.into())
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut list: A) -> Result<Value, A::Error> {
+        let mut all = Vec::new();
+        while let Some(one) = list.next_element_seed(Self { of_extensions: false })? {
+            all.push(one);
+        }
+        Ok(all.into())
+    }
+
+    fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Value, A::Error> {
+        let mut all = Map::new();
+        while let Some(key) = map.next_key::<String>()? {
+            if key == "extras" || self.of_extensions && !is_read(&key) {
+                map.next_value::<IgnoredAny>()?;
+                continue;
+            }
+            let value = map.next_value_seed(Self { of_extensions: key == "extensions" })?;
+            all.insert(key, value);
+        }
+        Ok(all.into())
+    }
 }
 
 impl<'v> Document<'v> {

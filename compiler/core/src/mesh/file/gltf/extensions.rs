@@ -55,6 +55,11 @@ fn handling(name: &str) -> Option<Handling> {
     KNOWN.iter().find(|(known, _)| *known == name).map(|(_, handling)| *handling)
 }
 
+/// Whether anything of an extension is read.
+pub fn is_read(name: &str) -> bool {
+    handling(name) == Some(Read)
+}
+
 /// Refuses a file that requires an extension which is not read.
 pub fn required(document: &Document<'_>) -> Result<(), FileError> {
     for (at, name) in document.words("extensionsRequired").enumerate() {

@@ -148,7 +148,7 @@ fn look(
     let painted = colored.and_then(|item| item.inner(image)).map(|used| texture(used, lists, open)).transpose()?;
     let scatter = match (glossy, unlit) {
         (_, true) => {
-            lost.push("that it shows its colour whatever light falls on it (`KHR_materials_unlit`)");
+            lost.push("that it shows its color whatever light falls on it (`KHR_materials_unlit`)");
             Scatter::Diffuse(base)
         }
         (Some(glossy), false) => specular_glossiness(glossy, base, &mut lost),
@@ -185,7 +185,7 @@ fn look(
     lose(shines && material.get("doubleSided") == Some(&Value::Bool(true)), "that it emits on its back, too");
     let Texture { picture, set, map, ends, lost: of_image } =
         painted.unwrap_or(Texture { picture: None, set: 0, map: PLAIN, ends: false, lost: Vec::new() });
-    lose(picture.is_some() && base != [1.0; 3], "the factor on a texture of the base colour");
+    lose(picture.is_some() && base != [1.0; 3], "the factor on a texture of the base color");
     lost.extend(of_image);
     let name = material.text("name").unwrap_or_default().to_owned();
     let surface = Surface { name, scatter, emission: shines.then_some(emission), picture, lost };
@@ -238,7 +238,7 @@ fn metallic_roughness(material: Item<'_>, pbr: Option<Item<'_>>, base: Vec3, los
     let head_on = root * root;
     let scaled = head_on * r;
     let says = strength == 1.0 && r == g && g == b && (0.0..=MOST_HEAD_ON).contains(&scaled);
-    lose(!says, "strength and colour of specular reflection");
+    lose(!says, "strength and color of specular reflection");
     let ior = if says && (r != 1.0 || index == 0.0) { index_of(scaled) } else { ior };
     Scatter::MetallicRoughness { base, metallic, roughness, ior }
 }
@@ -272,7 +272,7 @@ fn specular_glossiness(own: Item<'_>, diffuse: Vec3, lost: &mut Vec<&'static str
     // The diffuse part is what the brightest channel of the specular one leaves.
     let base = diffuse.map(|x| x * (1.0 - most));
     if specular != [most; 3] || most > MOST_HEAD_ON {
-        lost.push("the colour of specular reflection (`KHR_materials_pbrSpecularGlossiness`)");
+        lost.push("the color of specular reflection (`KHR_materials_pbrSpecularGlossiness`)");
     }
     let head_on = most.min(MOST_HEAD_ON);
     // Ours takes the share of the coat from the base itself, as glTF's metallic-roughness model does.

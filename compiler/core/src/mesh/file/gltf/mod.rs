@@ -79,7 +79,7 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>, beside: &mut Beside<'_>) ->
 /// Numbers out of range that are said one by one.
 const FAULTS: usize = 8;
 
-/// What makes two primitives the same mesh: accessors of positions, normals, texture coordinates, indices and colours, the mode, how
+/// What makes two primitives the same mesh: accessors of positions, normals, texture coordinates, indices and colors, the mode, how
 /// texture coordinates are turned, and for morph targets the primitive with their weights.
 type Key = ([Option<usize>; 5], usize, [u64; 6], Option<(usize, usize, Vec<u64>)>);
 
@@ -94,7 +94,7 @@ struct Made {
     placed: bool,
 }
 
-/// The colours of the vertices of a mesh, by which its base colour is multiplied.
+/// The colors of the vertices of a mesh, by which its base color is multiplied.
 #[derive(Clone, Copy)]
 struct Colors {
     mean: Vec3,
@@ -118,7 +118,7 @@ struct Reader<'v, 'b> {
     known: BTreeMap<Key, Option<Made>>,
     /// How many primitives use each accessor of positions.
     shared: BTreeMap<usize, u32>,
-    /// Materials under the colour of vertices.
+    /// Materials under the color of vertices.
     tinted: BTreeMap<(Option<usize>, [u64; 3], bool), usize>,
     /// What is not read: where first, how often, and whether it may be seen.
     skipped: BTreeMap<&'static str, (String, u64, bool)>,
@@ -278,7 +278,7 @@ impl<'v> Reader<'v, '_> {
         }
     }
 
-    /// The material under the colours of vertices (glTF 2.0, 3.7.2.1).
+    /// The material under the colors of vertices (glTF 2.0, 3.7.2.1).
     fn tinted(&mut self, material: Option<usize>, colors: Colors) -> Option<usize> {
         let Colors { mean, vary } = colors;
         if mean == [1.0; 3] && !vary {
@@ -295,7 +295,7 @@ impl<'v> Reader<'v, '_> {
                 scatter: Scatter::Diffuse([1.0; 3]),
                 emission: None,
                 picture: None,
-                lost: vec!["what it is made of, but for the colours of its vertices"],
+                lost: vec!["what it is made of, but for the colors of its vertices"],
             },
         };
         let times = |color: &mut Vec3| *color = [0, 1, 2].map(|channel| color[channel] * mean[channel]);
@@ -303,13 +303,13 @@ impl<'v> Reader<'v, '_> {
             Scatter::Diffuse(color) | Scatter::Mirror(color) => times(color),
             Scatter::MetallicRoughness { base, metallic: _, roughness: _, ior: _ } => times(base),
             Scatter::Glass { ior: _, alpha: _ } => {
-                surface.lost.push("the tint of transmitted light by colours of vertices")
+                surface.lost.push("the tint of transmitted light by colors of vertices")
             }
         }
         if surface.picture.is_some() {
-            surface.lost.push("colours of vertices over an image");
+            surface.lost.push("colors of vertices over an image");
         } else if vary {
-            surface.lost.push("how the colours of its vertices vary: their mean stands for them");
+            surface.lost.push("how the colors of its vertices vary: their mean stands for them");
         }
         self.model.surfaces.push(surface);
         let index = self.looks.len() + self.model.surfaces.len() - 1;
@@ -338,9 +338,9 @@ impl<'v> Reader<'v, '_> {
             if name.starts_with('_') {
                 others.push(("attributes of applications, whose names begin with `_`, are not read", false));
             } else if name.starts_with("TEXCOORD_") && name != uv && look.is_some() {
-                others.push(("texture coordinates that the image of the base colour does not use are not read", false));
+                others.push(("texture coordinates that the image of the base color does not use are not read", false));
             } else if name.starts_with("COLOR_") && name != "COLOR_0" {
-                others.push(("colours of vertices after the first are not read", false));
+                others.push(("colors of vertices after the first are not read", false));
             }
         }
         for (what, seen) in others {
@@ -382,7 +382,7 @@ impl<'v> Reader<'v, '_> {
         Ok(made)
     }
 
-    /// The numbers of a mesh, the colours of its vertices, and whether it stands where its node does.
+    /// The numbers of a mesh, the colors of its vertices, and whether it stands where its node does.
     fn geometry(
         &mut self,
         primitive: &Primitive<'v, '_>,
@@ -402,7 +402,7 @@ impl<'v> Reader<'v, '_> {
         let lengths = [
             ("normals", normals.as_ref().map(Vec::len)),
             ("texture coordinates", uvs.as_ref().map(Vec::len)),
-            ("colours", colors.as_ref().map(Vec::len)),
+            ("colors", colors.as_ref().map(Vec::len)),
         ];
         for (what, length) in lengths {
             if let Some(length) = length.filter(|length| *length != count) {
@@ -491,7 +491,7 @@ impl<'v> Reader<'v, '_> {
     }
 }
 
-/// The colours of vertices, which are linear; alpha is left out.
+/// The colors of vertices, which are linear; alpha is left out.
 fn color(at: usize, buffers: &Buffers<'_, '_>) -> Result<Vec<[f32; 3]>, FileError> {
     match buffers.kind(at) {
         "VEC4" => Ok(buffers.vectors::<4>(at)?.into_iter().map(|[r, g, b, _]| [r, g, b]).collect()),
@@ -499,7 +499,7 @@ fn color(at: usize, buffers: &Buffers<'_, '_>) -> Result<Vec<[f32; 3]>, FileErro
     }
 }
 
-/// The mean of colours over triangles by their areas.
+/// The mean of colors over triangles by their areas.
 fn mean(colors: &[[f32; 3]], triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> Colors {
     let at = |index: u32| colors[index as usize].map(|x| f64::from(x.clamp(0.0, 1.0)));
     let first = triangles.first().map_or([1.0; 3], |triangle| at(triangle[0]));

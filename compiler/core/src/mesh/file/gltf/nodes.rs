@@ -103,7 +103,7 @@ pub fn instances(extension: Item<'_>, buffers: &super::accessor::Buffers<'_, '_>
             "TRANSLATION" => moved = Some(buffers.vectors::<3>(at)?),
             "SCALE" => scaled = Some(buffers.vectors::<3>(at)?),
             "ROTATION" => turned = Some(buffers.vectors::<4>(at)?),
-            // Attributes of applications, such as colours.
+            // Attributes of applications, such as colors.
             _ => {}
         }
         counts.push(buffers.count(at));
