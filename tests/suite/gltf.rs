@@ -102,6 +102,52 @@ fn instances_in_the_buffer_have_no_error_and_no_warning() {
     }
 }
 
+/// What no scene of ours has: emitters and lights that are spectra, glass of two thicknesses, a reflectance above 1, a sheared mesh.
+const ODD: &str = "lts 1
+scene odd {}
+camera = perspective(eye: (0, -20, 5), target: (0, 0, 2), fov_x: 30deg, near: 0.5, far: 90)
+film = image(90, 160)
+integrator = path(max_depth: 4)
+sampler = independent(samples: 4)
+let flat = spectrum([(400, 2), (700, 2)])
+let line = spectrum([(500, 0), (510, 9), (520, 0)])
+material glass = dielectric(ior: 1.5)
+shape thin = box(size: 1) with glass
+shape thick = box(size: 3) |> translate(x: 4) with glass
+shape bent = box(size: 1) |> rotate(z: 30deg) |> scale(x: 3) |> translate(x: -4) with glass
+shape bright = box(size: 1) |> translate(y: 3) with diffuse(rgb(1.2, 0.5, 0))
+shape leaf = box(size: 1) |> translate(y: 5) with diffuse(spectrum([(510, 0), (520, 1), (530, 0)]))
+shape coat = box(size: 1) |> translate(y: 7) with plastic(rgb(1.1, 0.9, 0.2), alpha: 0.2)
+emitter lamp = rectangle(x: -1..1, y: -1..1, z: 9, normal: -Z) with radiance(flat)
+emitter laser = rectangle(x: 3..4, y: -1..1, z: 9, normal: -Z) with radiance(line)
+emitter bulb = point(position: (0, 0, 9), intensity: flat)
+emitter sun = directional(direction: (1, 2, -4), irradiance: line)
+emitter beam = spot(position: (0, -5, 6), target: (0, 1, 0), intensity: flat, angle: 90deg)
+emitter sky = environment(radiance: 0.5)
+";
+
+#[test]
+fn spectra_and_glass_of_two_thicknesses_have_no_error_and_no_warning() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scene = folder.path().join("odd.lts");
+    std::fs::write(&scene, ODD).expect("a write");
+    let files = ["gltf", "glb"].map(|form| {
+        let out = folder.path().join(form);
+        let ran = run(ltsc().arg("emit").arg(&scene).args(["--target", form, "--allow", "all", "-o"]).arg(&out));
+        assert_eq!(ran.code, Some(0), "{}", ran.err);
+        let ran = run(ltsc().arg("audit").arg(&scene).args(["--target", form, "--allow", "all", "--folder"]).arg(&out));
+        assert_eq!(ran.code, Some(0), "{}{}", ran.out, ran.err);
+        for lost in ["agrees, but for", "a constant environment", "a reflectance above 1"] {
+            assert!(ran.out.contains(lost), "{lost}: {}", ran.out);
+        }
+        out.join(format!("odd.{form}"))
+    });
+    let Some(reports) = reports("gltf of odd scenes", &files) else { return };
+    for (report, file) in reports.iter().zip(&files) {
+        has_no_issue(file, report);
+    }
+}
+
 #[test]
 fn options_of_targets_are_asked_for_by_name() {
     let out = tempfile::tempdir().expect("a folder");

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use ltsc_core::audit::{Audit, Audited, Emits, Sums};
+use ltsc_core::audit::{Audit, Audited, Emits, Lost, Sums};
 use ltsc_core::diag::{Finding, Origin, Severity};
 use ltsc_core::files::{Files, VPath};
 use ltsc_core::formats::Target;
@@ -157,8 +157,10 @@ fn document(answer: &Answer<'_>) -> Value {
     };
     let target = |audit: &Audit| {
         let findings: Vec<Value> = audit.findings.iter().map(|finding| file.located(finding.clone()).json()).collect();
+        let lost: Vec<Value> =
+            audit.lost.iter().map(|Lost { what, why }| json!({ "what": what, "why": why })).collect();
         json!({
-            "target": audit.target, "agrees": audit.findings.is_empty(), "said": sums(&audit.said),
+            "target": audit.target, "agrees": audit.agrees(), "verdict": audit.whole_verdict(), "lost": lost, "said": sums(&audit.said),
             "emitters": emitters(&audit.emitters), "materials": audit.materials, "angles": audit.angles,
             "max_depth": audit.max_depth, "fov_x": audit.fov_x, "film": audit.film, "findings": findings,
         })
@@ -220,7 +222,7 @@ fn table(answer: &Answer<'_>) -> String {
             audit.max_depth.map_or(open.clone(), |depth| depth.to_string()),
             audit.fov_x.map_or(open.clone(), number),
             audit.film.map_or(open.clone(), |[width, height]| format!("{width} x {height}")),
-            if audit.findings.is_empty() { "agrees".to_owned() } else { "DIFFERS".to_owned() },
+            audit.verdict(),
         ]);
         rows.push(row);
     }
@@ -233,5 +235,18 @@ fn table(answer: &Answer<'_>) -> String {
             .map(|(at, (cell, width))| if at == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") });
         padded.collect::<Vec<_>>().join("  ") + "\n"
     };
-    rows.iter().map(line).collect()
+    rows.iter().map(line).chain(losses(&audited.targets)).collect()
+}
+
+/// A line for each different list of what was lost, with the targets that have it.
+fn losses(targets: &[Audit]) -> Vec<String> {
+    let mut lists: Vec<(String, Vec<&str>)> = Vec::new();
+    for audit in targets.iter().filter(|audit| audit.agrees() && !audit.lost.is_empty()) {
+        let verdict = audit.whole_verdict();
+        match lists.iter_mut().find(|(known, _)| *known == verdict) {
+            Some((_, names)) => names.push(audit.target),
+            None => lists.push((verdict, vec![audit.target])),
+        }
+    }
+    lists.iter().map(|(verdict, names)| format!("{}: {verdict}\n", names.join(", "))).collect()
 }

@@ -13,7 +13,7 @@ mod walk;
 
 use std::collections::BTreeMap;
 
-use crate::capability::Support;
+use crate::capability::{Feature, Support, features};
 use crate::diag::{Finding, Origin, Severity};
 use crate::files::{Files, VPath};
 use crate::formats::Target;
@@ -82,8 +82,45 @@ pub struct Audit {
     pub fov_x: Option<f64>,
     /// Width and height by the files.
     pub film: Option<[u32; 2]>,
+    /// What the scene asks for and the target says of itself that it cannot say: what is left is what was compared.
+    pub lost: Vec<Lost>,
     /// What differs, and what could not be read.
     pub findings: Vec<Finding>,
+}
+
+/// Something of a scene that a target cannot say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Lost {
+    /// What it is.
+    pub what: &'static str,
+    /// What is missing.
+    pub why: &'static str,
+}
+
+impl Audit {
+    /// Whether the files say what the scene says, but for what was lost.
+    pub fn agrees(&self) -> bool {
+        self.findings.is_empty()
+    }
+
+    /// `agrees`, `agrees, but for 2 losses`, `DIFFERS`.
+    pub fn verdict(&self) -> String {
+        match (self.agrees(), self.lost.len()) {
+            (false, _) => "DIFFERS".to_owned(),
+            (true, 0) => "agrees".to_owned(),
+            (true, 1) => "agrees, but for 1 loss".to_owned(),
+            (true, many) => format!("agrees, but for {many} losses"),
+        }
+    }
+
+    /// The verdict with the names of what was lost: `agrees, but for 2 losses: an environment, path tracing`.
+    pub fn whole_verdict(&self) -> String {
+        if !self.agrees() || self.lost.is_empty() {
+            return self.verdict();
+        }
+        let names: Vec<&str> = self.lost.iter().map(|lost| lost.what).collect();
+        format!("{}: {}", self.verdict(), names.join(", "))
+    }
 }
 
 /// A scene beside what was written of it.
@@ -262,6 +299,7 @@ pub fn audit(asked: &Asked<'_>, target: &'static Target, folder: &str, meshes: &
         max_depth: None,
         fov_x: None,
         film: None,
+        lost: lost(asked.scene, target),
         findings: Vec::new(),
     };
     let (Ok(main), Some(import)) = (VPath::resolve(folder, &name), target.import) else {
@@ -283,6 +321,15 @@ pub fn audit(asked: &Asked<'_>, target: &'static Target, folder: &str, meshes: &
     audit.findings = unread;
     audit.findings.extend(found.finish());
     audit
+}
+
+/// What of a scene a target cannot say.
+fn lost(scene: &Scene, target: &Target) -> Vec<Lost> {
+    let of = |(feature, _): (Feature, Origin)| match (target.supports)(feature) {
+        Support::Unsupported { why } => Some(Lost { what: feature.name(), why }),
+        Support::Exact | Support::Approximate { why: _, bound: _ } => None,
+    };
+    features(scene).into_iter().filter_map(of).collect()
 }
 
 /// Whether a target says of itself that it has no exact way.

@@ -319,6 +319,39 @@ fn planted(faults: &[Fault], names: &[&str]) {
 
 const XML: &str = "description.xml";
 const PBRT: &str = "description.pbrt";
+#[test]
+fn a_verdict_names_what_was_lost() {
+    let mut scene = sample::room();
+    let kind = LightKind::Environment { radiance: Color::Grey(1.0).into() };
+    scene.lights.push(LightSource { name: "sky".to_owned(), kind }, Origin::Made);
+    let bright = Bsdf::Diffuse { reflectance: Color::Grey(1.2).into() };
+    let bright = sample::material(&mut scene, "bright", bright);
+    let block = sample::block(&mut scene, "bright", [1.0; 3], [0.0, 0.0, 30.0], 0.0);
+    sample::shape(&mut scene, "bright", block, bright, None);
+    let (scene, _) = crate::lower::lower(scene);
+    let scene = validate(scene).expect("a valid scene");
+    for target in readable() {
+        let audit = audited(&scene, target, &written(&scene, target));
+        assert_eq!(said(&audit), Vec::<String>::new(), "{}", target.name);
+        let verdict = audit.whole_verdict();
+        let gltf = ["gltf", "glb"].contains(&target.name);
+        for lost in ["a constant environment", "a reflectance above 1"] {
+            assert_eq!(verdict.contains(lost), gltf, "{}: {verdict}", target.name);
+        }
+        let begin = if audit.lost.is_empty() {
+            "agrees".to_owned()
+        } else {
+            format!("agrees, but for {} loss", audit.lost.len())
+        };
+        assert!(verdict.starts_with(&begin), "{}: {verdict}", target.name);
+        let ledger = crate::formats::TARGETS.iter().find(|one| one.name == target.name).expect("a target");
+        let all = features(&scene).into_iter().filter(|(feature, _)| unsupported(&(ledger.supports)(*feature))).count();
+        assert_eq!(audit.lost.len(), all + usize::from(gltf), "{}", target.name);
+    }
+    let dark = audited(&scene, formats::find("gltf").expect("a target"), &BTreeMap::new());
+    assert_eq!(dark.whole_verdict(), "DIFFERS");
+}
+
 const GLTF: &str = "cbox_classic.gltf";
 const GLB: &str = "cbox_classic.glb";
 

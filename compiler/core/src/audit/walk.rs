@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use super::look::{self, Materials, off};
 use super::measure::{Pair, area_factor, difference, finer_difference};
-use super::{Asked, Audit, Emits, Found, Measure, Meshes, emits, inexact, measured, unsupported};
+use super::{Asked, Audit, Emits, Found, Lost, Measure, Meshes, emits, inexact, measured, unsupported};
 use crate::capability::{self, Feature};
 use crate::formats::Target;
 use crate::formats::shared::reading::{Front, Item, MeshPlace, Model, Paint, Picture, Reading, Rgb, Use};
@@ -355,11 +355,15 @@ impl<'w> Walk<'w, '_, '_> {
             return;
         }
         let name = &self.asked.scene.materials[shape.material].name;
+        let capped = if self.reading.capped { capped(self.asked.material(shape)) } else { None };
+        if capped.is_some() && !self.audit.lost.contains(&OVER_ONE) {
+            self.audit.lost.push(OVER_ONE);
+        }
         let Some(surface) = self.reading.materials.get(said.material) else {
             self.found.differs(format!("`{}` has no material instead of `{name}`", shape.name));
             return;
         };
-        let bsdf = self.asked.material(shape);
+        let bsdf = capped.as_ref().unwrap_or_else(|| self.asked.material(shape));
         // Where an emitter is not drawn from behind, that is said of it.
         let one_sided = emits && inexact(&(self.target.supports)(Feature::BlackEmitter));
         let excused = self.excused(bsdf, &surface.model);
@@ -415,6 +419,30 @@ impl<'w> Walk<'w, '_, '_> {
             (Some(texture), Some(paint)) => same_image(self.asked, texture, paint, None),
         }
     }
+}
+
+/// What of a surface is lost that reflects more than it gets.
+const OVER_ONE: Lost =
+    Lost { what: "a reflectance above 1", why: "its colors of surfaces are from 0 to 1: what is more becomes 1" };
+
+/// A material with its color held to 1; none where it needs no hold.
+fn capped(bsdf: &Bsdf) -> Option<Bsdf> {
+    let held =
+        |color: &Color| color.rgb().iter().any(|x| *x > 1.0).then(|| Color::Rgb(color.rgb().map(|x| x.min(1.0))));
+    let paint = |paint: &ColorOrTexture| paint.color().and_then(held).map(ColorOrTexture::Color);
+    Some(match bsdf {
+        Bsdf::Diffuse { reflectance } => Bsdf::Diffuse { reflectance: paint(reflectance)? },
+        Bsdf::Mirror { reflectance } => Bsdf::Mirror { reflectance: held(reflectance)? },
+        Bsdf::Plastic { reflectance, ior, alpha } => {
+            Bsdf::Plastic { reflectance: paint(reflectance)?, ior: *ior, alpha: *alpha }
+        }
+        Bsdf::Principled { base, metallic, roughness, ior } => {
+            Bsdf::Principled { base: paint(base)?, metallic: *metallic, roughness: *roughness, ior: *ior }
+        }
+        Bsdf::Conductor { eta: _, k: _, alpha: _ } | Bsdf::Dielectric { interior: _, exterior: _, alpha: _ } => {
+            return None;
+        }
+    })
 }
 
 fn near(a: [f64; 3], b: [f64; 3], by: f64) -> bool {

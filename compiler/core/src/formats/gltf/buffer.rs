@@ -155,7 +155,7 @@ fn turned(cofactors: &[[f64; 3]; 3], normal: [f32; 3]) -> [f32; 3] {
 }
 
 /// The exact bounds of the positions as they are written.
-fn bounds(positions: &[[f32; 3]], map: Option<&Affine>) -> ([f64; 3], [f64; 3]) {
+pub fn bounds(positions: &[[f32; 3]], map: Option<&Affine>) -> ([f64; 3], [f64; 3]) {
     let (mut low, mut high) = ([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]);
     for position in positions {
         let position = map.map_or(*position, |map| moved(map, *position));

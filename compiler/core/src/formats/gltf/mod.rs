@@ -7,7 +7,6 @@ mod document;
 mod emit;
 pub mod import;
 mod instancing;
-mod json;
 pub mod names;
 mod nodes;
 mod surface;
@@ -146,5 +145,7 @@ fn supports(feature: Feature) -> Support {
     }
 }
 
+#[cfg(test)]
+mod ranges_tests;
 #[cfg(test)]
 mod tests;

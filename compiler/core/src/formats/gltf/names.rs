@@ -74,10 +74,11 @@ pub fn cone(angle: f64, inner: f64) -> (f64, f64) {
 
 /// `emissiveFactor` (0..1 per channel) and `emissiveStrength` (KHR_materials_emissive_strength), whose product is the
 /// radiance. glTF's unit is candela per square metre; written is the number of W/(m2 sr), so that nothing depends on
-/// an assumed luminous efficacy.
+/// an assumed luminous efficacy. The strength is that of the colour: the largest value of a spectrum is another number.
 pub fn emission(radiance: &Color) -> ([f64; 3], f64) {
-    let strength = radiance.max();
-    if strength > 0.0 { (radiance.rgb().map(|x| x / strength), strength) } else { ([0.0; 3], 0.0) }
+    let color = radiance.rgb().map(|x| x.max(0.0));
+    let strength = color.into_iter().fold(0.0, f64::max);
+    if strength > 0.0 { (color.map(|x| x / strength), strength) } else { ([0.0; 3], 0.0) }
 }
 
 /// A matrix by columns.
@@ -97,6 +98,7 @@ pub fn matrix(map: &Affine) -> [f64; 16] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::ir::{Meaning, Spectrum};
 
     #[test]
     fn the_root_stands_scenes_upright() {
@@ -131,5 +133,10 @@ mod tests {
         assert_eq!(ior(1.0, 1.5), 1.0);
         assert_eq!(emission(&Color::Rgb([30.0, 15.0, 0.0])), ([1.0, 0.5, 0.0], 30.0));
         assert_eq!(emission(&Color::BLACK), ([0.0; 3], 0.0));
+        // Constant light is reddish in sRGB: its red is more than its values are.
+        let flat = Color::Spectrum(Spectrum::new(&[(400.0, 2.0), (700.0, 2.0)], Meaning::Light));
+        let (factor, strength) = emission(&flat);
+        assert_eq!((factor[0], strength), (1.0, flat.rgb()[0]));
+        assert!(strength > 2.3 && factor.iter().all(|share| (0.0..=1.0).contains(share)), "{factor:?} {strength}");
     }
 }

@@ -8,8 +8,8 @@ use super::{names, surface};
 use crate::formats::shared::camera;
 use crate::ir::{Affine, Emission as Light, Group, Handle, LightKind, LightSource, Mesh, Scene, Shape, sub};
 
-/// A material, what it emits (radiance by its bits, for the order), and for dielectrics how thick the mesh is.
-type Surface = (usize, Option<[u64; 3]>);
+/// A material, what it emits, and for dielectrics how thick the mesh is; floats by their bits, for the order.
+type Surface = (usize, Option<[u64; 3]>, u64);
 
 /// What was made so far, each thing once.
 #[derive(Default)]
@@ -28,12 +28,12 @@ pub struct Made<'a> {
 impl<'a> Made<'a> {
     /// The node of a shape.
     pub fn node(&mut self, scene: &'a Scene, shape: &Shape) -> doc::Node {
-        let Shape { name, mesh: handle, transform, material, emission } = shape;
+        let Shape { name, mesh: handle, transform, material: _, emission: _ } = shape;
         let mut node = doc::Node { name: name.clone(), ..doc::Node::default() };
         let mesh = &scene.meshes[*handle];
-        let material = self.material(scene, shape, (material.index(), bits(emission.as_ref())));
         // A node's matrix must be translation, rotation and scale (glTF 2.0, 3.5.2); other maps move the vertices.
         if camera::has_orthogonal_columns(transform) {
+            let material = self.material(scene, shape, &Affine::IDENTITY);
             let known = self.known_meshes.get(&(handle.index(), material)).copied();
             node.mesh = Some(known.unwrap_or_else(|| {
                 let primitive = self.primitive(scene, *handle, &Affine::IDENTITY, material);
@@ -44,6 +44,7 @@ impl<'a> Made<'a> {
             place(&mut node, transform);
         } else {
             self.moved += 1;
+            let material = self.material(scene, shape, transform);
             let primitive = self.primitive(scene, *handle, transform, material);
             node.mesh = Some(self.mesh(&mesh.name, vec![primitive]));
         }
@@ -73,9 +74,10 @@ impl<'a> Made<'a> {
         let Group { name, shapes, instances: _ } = &scene.groups[handle];
         let mut primitives = Vec::new();
         for shape in shapes.values() {
-            let Shape { name: _, mesh, transform, material, emission } = shape;
-            let material = self.material(scene, shape, (material.index(), bits(emission.as_ref())));
-            primitives.push(self.primitive(scene, *mesh, &transform.then(outer), material));
+            let Shape { name: _, mesh, transform, material: _, emission: _ } = shape;
+            let map = transform.then(outer);
+            let material = self.material(scene, shape, &map);
+            primitives.push(self.primitive(scene, *mesh, &map, material));
         }
         self.mesh(name, primitives)
     }
@@ -99,14 +101,16 @@ impl<'a> Made<'a> {
         self.meshes.len() - 1
     }
 
-    fn material(&mut self, scene: &'a Scene, shape: &Shape, surface: Surface) -> usize {
+    /// The material of a shape whose vertices are moved by `map`: another one for each thickness, which is the mesh's.
+    fn material(&mut self, scene: &'a Scene, shape: &Shape, map: &Affine) -> usize {
+        let Shape { name: _, mesh, transform: _, material, emission } = shape;
+        let own = &scene.materials[*material];
+        let thickness = surface::thickness(&own.bsdf, &scene.meshes[*mesh], map);
+        let surface: Surface = (material.index(), bits(emission.as_ref()), thickness.to_bits());
         if let Some(known) = self.known_materials.get(&surface) {
             return *known;
         }
-        let Shape { name: _, mesh, transform: _, material, emission } = shape;
-        let thickness = surface::thickness(&scene.meshes[*mesh]);
-        let made = surface::material(scene, &scene.materials[*material], emission.as_ref(), thickness);
-        self.materials.push(made);
+        self.materials.push(surface::material(scene, own, emission.as_ref(), thickness));
         let index = self.materials.len() - 1;
         self.known_materials.insert(surface, index);
         index

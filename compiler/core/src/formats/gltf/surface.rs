@@ -1,17 +1,22 @@
 //! Materials: what of a surface glTF can say, with its Khronos extensions.
 
+use super::buffer::bounds;
 use super::document as doc;
 use super::emit::textures;
 use super::names;
 use crate::formats;
-use crate::formats::shared::camera;
 use crate::formats::shared::coat::{self, Coat, Mapped};
-use crate::ir::{Bsdf, Color, ColorOrTexture, Emission as Light, Material, Mesh, Scene};
+use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Emission as Light, Material, Mesh, Scene};
+
+/// A color that glTF can hold: from 0 to 1.
+fn held(color: &Color) -> [f64; 3] {
+    color.rgb().map(|x| x.clamp(0.0, 1.0))
+}
 
 /// The factor and the texture of a base color.
 fn paint(scene: &Scene, value: &ColorOrTexture) -> ([f64; 3], Option<doc::TextureIndex>) {
     match value {
-        ColorOrTexture::Color(color) => (color.rgb(), None),
+        ColorOrTexture::Color(color) => (held(color), None),
         ColorOrTexture::Texture(handle) => {
             let own = &scene.textures[*handle];
             let known = textures(scene).find(|((texture, _), _)| std::ptr::eq(*texture, own));
@@ -48,17 +53,18 @@ pub fn material(scene: &Scene, material: &Material, emission: Option<&Light>, th
             extensions.volume = Some(doc::Volume { thickness_factor: thickness });
             (opaque([1.0; 3], 0.0, names::roughness(*alpha)), false)
         }
-        Bsdf::Mirror { reflectance } => (opaque(reflectance.rgb(), 1.0, 0.0), true),
+        Bsdf::Mirror { reflectance } => (opaque(held(reflectance), 1.0, 0.0), true),
         Bsdf::Plastic { reflectance, ior, alpha } => {
             extensions.ior = Some(doc::Ior { ior: names::ior(*ior, 1.0) });
             // glTF's coat does not darken its base: what is seen of the base is written.
-            let (factor, base_color_texture) = match coat::mapped(reflectance, |share| Coat::new(*ior).seen(share)) {
-                Mapped::Color(color) => (color.rgb(), None),
-                Mapped::Texture(_, scale) => {
-                    let (factor, texture) = paint(scene, reflectance);
-                    (factor.map(|x| x * scale), texture)
-                }
-            };
+            let (factor, base_color_texture) =
+                match coat::mapped(reflectance, |share| Coat::new(*ior).seen(share.min(1.0))) {
+                    Mapped::Color(color) => (held(&color), None),
+                    Mapped::Texture(_, scale) => {
+                        let (factor, texture) = paint(scene, reflectance);
+                        (factor.map(|x| x * scale), texture)
+                    }
+                };
             (doc::Metallic { base_color_texture, ..opaque(factor, 0.0, names::roughness(*alpha)) }, true)
         }
         Bsdf::Principled { base, metallic, roughness, ior } => {
@@ -86,9 +92,17 @@ pub fn material(scene: &Scene, material: &Material, emission: Option<&Light>, th
     }
 }
 
-/// The smallest extent of a mesh that is not flat along it; 1 for a point.
-pub fn thickness(mesh: &Mesh) -> f64 {
-    let [low, high] = camera::bounds(&mesh.positions);
+/// The smallest extent of a mesh, as its vertices are written, that is not flat along it; 1 for a point. Of what is not clear 0.
+pub fn thickness(bsdf: &Bsdf, mesh: &Mesh, map: &Affine) -> f64 {
+    match bsdf {
+        Bsdf::Dielectric { interior: _, exterior: _, alpha: _ } => {}
+        Bsdf::Diffuse { reflectance: _ }
+        | Bsdf::Conductor { eta: _, k: _, alpha: _ }
+        | Bsdf::Mirror { reflectance: _ }
+        | Bsdf::Plastic { reflectance: _, ior: _, alpha: _ }
+        | Bsdf::Principled { base: _, metallic: _, roughness: _, ior: _ } => return 0.0,
+    }
+    let (low, high) = bounds(&mesh.positions, (*map != Affine::IDENTITY).then_some(map));
     let extents = [0, 1, 2].map(|axis| high[axis] - low[axis]);
     let smallest = extents.into_iter().filter(|extent| *extent > 0.0).fold(f64::INFINITY, f64::min);
     if smallest.is_finite() { smallest } else { 1.0 }

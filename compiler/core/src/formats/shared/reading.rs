@@ -33,6 +33,8 @@ pub struct Reading {
     /// Whether uses of one mesh stand together, with places in single precision, and in another order than they were made in; their
     /// names say which is which.
     pub gathered: bool,
+    /// Whether the format holds colors of surfaces to 0..1, so that a brighter one is written as 1.
+    pub capped: bool,
     /// Lights without a surface in the order of the file.
     pub lights: Vec<Light>,
     /// What was not understood, with its place.

@@ -1,5 +1,6 @@
 //! What all mesh files have in common once they are decoded: finite numbers, unit normals.
 
+#[cfg(test)]
 pub(super) use super::polygons::Faces;
 use super::{FileError, Note};
 use crate::ir::normalized;

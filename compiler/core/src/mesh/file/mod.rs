@@ -4,7 +4,7 @@
 //! multiple of the bytes that are there.
 
 mod finish;
-mod gltf;
+pub(crate) mod gltf;
 mod model;
 mod mtl;
 mod note;

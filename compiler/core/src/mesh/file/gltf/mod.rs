@@ -1,58 +1,71 @@
 //! glTF 2.0 files, binary (`.glb`) and text (`.gltf`): the triangles of the default scene, with the maps of their nodes, and
 //! their materials. Coordinates are turned from y up to z up.
 //!
-//! The crate gltf reads the JSON and checks that indices point to something; containers, buffers and the tree of nodes are
-//! checked here, since files may say anything of them.
+//! `document`, `accessor`, `nodes` and `ranges` are how any of ours reads glTF; the format of that name stands on them, too. The
+//! crate gltf is what tests hold them against: it refuses valid files (scenes without nodes, channels without a target) and rounds
+//! numbers to single precision, which an audit to 1e-9 cannot use.
 
-mod accessor;
+pub mod accessor;
+mod deform;
+pub mod document;
+mod extensions;
 mod material;
+pub mod nodes;
+pub mod ranges;
 
 use std::collections::BTreeMap;
 
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
-use gltf::json;
-use gltf::json::accessor::Type;
-use gltf::json::mesh::{Mode, Semantic};
-use gltf::json::validation::{Checked, Error, Validate};
-
-use super::finish::{Faces, finish, flat};
-use super::model::{Model, Part, Unique};
-use super::{Beside, FileError, Note, plural};
-use crate::ir::{Affine, normalized};
+use super::finish::{finish, flat};
+use super::model::{Model, Part, Scatter, Unique};
+use super::{Beside, FileError, Note, Surface};
+use crate::ir::{Affine, Vec3, cross, length, sub};
 use crate::mesh::Geometry;
 use accessor::Buffers;
+use document::{Document, Item};
+use material::{Look, PLAIN, UvMap};
 
-/// How much larger than the file what is made of it may be: primitives may share their bytes.
-const GROWTH: u64 = 64;
+/// Parts that any file may have; more need bytes of the file.
+const PARTS: u64 = 250_000;
+/// What a part takes in memory, about.
+const PART: u64 = 256;
 
 /// The model, and which of its parts belong to the node or mesh called `part` (all for none).
 pub(super) fn read(bytes: &[u8], part: Option<&str>, beside: &mut Beside<'_>) -> Result<(Model, Vec<Note>), FileError> {
-    let (text, chunk) = container(bytes)?;
-    let root = document(text)?;
+    let (text, chunk) = document::split(bytes)?;
+    let values = document::parse(text)?;
+    let document = Document::new(&values)?;
+    extensions::required(&document)?;
     let mut notes = Vec::new();
-    let owned = outer_buffers(&root, beside)?;
-    let buffers: Vec<&[u8]> =
-        owned.iter().map(|owned| owned.as_ref().map_or(chunk, |owned| (**owned).as_ref())).collect();
-    for (at, (buffer, bytes)) in root.buffers.iter().zip(&buffers).enumerate() {
-        if (bytes.len() as u64) < buffer.byte_length.0 {
-            let message = format!("it has {} bytes, and the file says {}", bytes.len(), buffer.byte_length.0);
-            return Err(FileError::new(format!("buffer {at}"), message).help("the file is cut off or damaged"));
-        }
+    extensions::used(&document, &mut notes);
+    let own = chunk.map(|range| Box::new(&bytes[range]) as accessor::Blob<'_>);
+    let buffers = Buffers::new(&document, own, text.len(), &mut |item, path| {
+        let found: accessor::Blob<'_> = beside(path).map_err(|message| FileError::new(item.place(), message))?;
+        Ok(found)
+    })?;
+    for fault in ranges::check(&document, FAULTS)? {
+        notes.push(Note::warn(fault.place, fault.message));
     }
-    let size = text.len() as u64 + buffers.iter().map(|bytes| bytes.len() as u64).sum::<u64>();
-    let buffers = Buffers { root: &root, bytes: buffers };
-    let surfaces = material::surfaces(&buffers);
-    let reader = Reader {
+    let mut reader = Reader {
+        nodes: document.list("nodes")?,
+        meshes: document.list("meshes")?,
+        skins: document.list("skins")?,
+        maps: None,
+        looks: material::looks(&document, &buffers)?,
         buffers,
-        room: size.saturating_mul(GROWTH),
-        model: Model { surfaces, ..Model::default() },
+        parts: PARTS,
+        model: Model::default(),
         known: BTreeMap::new(),
         shared: BTreeMap::new(),
+        tinted: BTreeMap::new(),
         skipped: BTreeMap::new(),
         names: Unique::default(),
+        part,
+        all: Vec::new(),
+        selected: Vec::new(),
+        notes,
     };
-    let (model, all, selected) = reader.run(part, &mut notes)?;
+    reader.run(&document)?;
+    let Reader { model, all, selected, notes, .. } = reader;
     let model = match part {
         None => model,
         Some(part) => model.only("node or mesh", part, &all, &selected)?,
@@ -63,307 +76,341 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>, beside: &mut Beside<'_>) ->
     Ok((model, notes))
 }
 
-/// The JSON and the binary chunk (glTF 2.0, 4.4).
-fn container(bytes: &[u8]) -> Result<(&[u8], &[u8]), FileError> {
-    let Some(rest) = bytes.strip_prefix(b"glTF") else {
-        let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        return match text.trim_ascii_start().first() {
-            Some(b'{') => Ok((bytes, &[])),
-            Some(_) => {
-                Err(FileError::new("byte 0", "the file begins neither with `glTF`, as a binary one, nor with `{`")
-                    .help("is this a glTF file?"))
-            }
-            None => Err(FileError::new("", "the file is empty")),
-        };
-    };
-    let cut = |what: &str| FileError::new("", format!("the file ends within {what}")).help("the file is cut off");
-    let number = |at: usize| rest.get(at..).and_then(<[u8]>::first_chunk::<4>).map(|bytes| u32::from_le_bytes(*bytes));
-    let (Some(version), Some(_length)) = (number(0), number(4)) else { return Err(cut("its header")) };
-    if version != 2 {
-        return Err(
-            FileError::new("byte 4", format!("the file is of version {version} of glTF")).help("version 2 is read")
-        );
-    }
-    let mut at = 8;
-    let mut chunks: [Option<&[u8]>; 2] = [None, None];
-    for (chunk, (kind, what)) in chunks.iter_mut().zip([(b"JSON", "its JSON"), (b"BIN\0", "its binary chunk")]) {
-        let Some(length) = number(at) else { break };
-        let head = rest.get(at + 4..at + 8).ok_or_else(|| cut(what))?;
-        if head != kind {
-            break;
-        }
-        let from = at + 8;
-        let end = from.checked_add(length as usize).filter(|end| *end <= rest.len()).ok_or_else(|| cut(what))?;
-        *chunk = Some(&rest[from..end]);
-        at = end;
-    }
-    match chunks {
-        [Some(json), bin] => Ok((json, bin.unwrap_or(&[]))),
-        [None, _] if rest.len() < 16 => Err(cut("its header")),
-        [None, _] => Err(FileError::new("byte 12", "the first chunk is not JSON")),
-    }
+/// Numbers out of range that are said one by one.
+const FAULTS: usize = 8;
+
+/// What makes two primitives the same mesh: accessors of positions, normals, texture coordinates, indices and colors, the mode, how
+/// texture coordinates are turned, and for morph targets the primitive with their weights.
+type Key = ([Option<usize>; 5], usize, [u64; 6], Option<(usize, usize, Vec<u64>)>);
+
+/// A mesh that was made of a primitive.
+#[derive(Clone, Copy)]
+struct Made {
+    mesh: usize,
+    colors: Colors,
+    /// Whether texture coordinates leave 0..1.
+    leaves: bool,
+    /// Whether it stands where its node does; else where its joints do.
+    placed: bool,
 }
 
-/// Extensions that change no triangle, or that are read: a file that requires them can be read all the same.
-fn harmless(extension: &str) -> bool {
-    let beginnings =
-        ["KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "MSFT_texture_", "KHR_mesh_quantization"];
-    beginnings.iter().any(|beginning| extension.starts_with(beginning))
+/// The colors of the vertices of a mesh, by which its base color is multiplied.
+#[derive(Clone, Copy)]
+struct Colors {
+    mean: Vec3,
+    vary: bool,
 }
 
-fn document(text: &[u8]) -> Result<json::Root, FileError> {
-    let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
-    let mut root: json::Root = json::deserialize::from_slice(text).map_err(|error| {
-        FileError::new(format!("line {} of the JSON", error.line()), format!("the JSON is malformed: {error}"))
-            .help("is this a glTF file?")
-    })?;
-    root.extensions_required.retain(|extension| !harmless(extension));
-    // gltf-json 1.4.1 looks at the accessor of the positions before it checks that there is one (`mesh.rs`, line 151).
-    for (at, mesh) in root.meshes.iter().enumerate() {
-        let indices = mesh.primitives.iter().flat_map(|primitive| primitive.attributes.values());
-        if indices.into_iter().any(|index| index.value() >= root.accessors.len()) {
-            return Err(FileError::new(format!("mesh {at}"), "an index points to nothing"));
-        }
-    }
-    let mut found: Option<(String, Error)> = None;
-    root.validate(&root, json::Path::new, &mut |path, error| {
-        let path = path().0;
-        // Bounds are not read, so that they need not be there.
-        let bounds = path.ends_with(".min") || path.ends_with(".max");
-        if found.is_none() && !bounds {
-            found = Some((path, error));
-        }
-    });
-    let Some((path, error)) = found else { return Ok(root) };
-    let path: String = path.chars().filter(|c| !c.is_control()).take(100).collect();
-    Err(match error {
-        Error::Unsupported => FileError::new(path, "the file requires an extension of glTF that is not read")
-            .help("write it without compression: `gltf-transform copy` undoes Draco and meshopt"),
-        Error::IndexOutOfBounds => FileError::new(path, "an index points to nothing"),
-        Error::Missing => FileError::new(path, "something is missing"),
-        other @ (Error::Invalid | Error::Oversize) => FileError::new(path, format!("the file is malformed: {other}")),
-    })
-}
+const WHITE: Colors = Colors { mean: [1.0; 3], vary: false };
 
-/// Bytes from beside the file, or from an address in it.
-type Outer = Box<dyn AsRef<[u8]>>;
-
-/// The bytes of buffers that do not lie in the binary chunk.
-fn outer_buffers(root: &json::Root, beside: &mut Beside<'_>) -> Result<Vec<Option<Outer>>, FileError> {
-    let mut all: Vec<Option<Outer>> = Vec::new();
-    for (at, buffer) in root.buffers.iter().enumerate() {
-        let place = || format!("buffer {at}");
-        all.push(match buffer.uri.as_deref() {
-            None => None,
-            Some(uri) => Some(match uri.strip_prefix("data:") {
-                Some(data) => {
-                    let (_, text) = data
-                        .split_once(";base64,")
-                        .ok_or_else(|| FileError::new(place(), "its `data:` address is not in base 64"))?;
-                    Box::new(STANDARD.decode(text).map_err(|error| {
-                        FileError::new(place(), format!("its `data:` address is malformed: {error}").to_lowercase())
-                    })?)
-                }
-                None => {
-                    let path = decoded(uri).ok_or_else(|| FileError::new(place(), "its address is malformed"))?;
-                    beside(&path).map_err(|message| FileError::new(place(), message))?
-                }
-            }),
-        });
-    }
-    Ok(all)
-}
-
-/// An address with its `%20` resolved.
-fn decoded(uri: &str) -> Option<String> {
-    let mut bytes = Vec::with_capacity(uri.len());
-    let mut rest = uri.bytes();
-    while let Some(byte) = rest.next() {
-        bytes.push(if byte == b'%' {
-            let digits = [rest.next()?, rest.next()?];
-            u8::from_str_radix(std::str::from_utf8(&digits).ok()?, 16).ok()?
-        } else {
-            byte
-        });
-    }
-    String::from_utf8(bytes).ok()
-}
-
-/// From y up to z up.
-const UPRIGHT: Affine = Affine { rows: [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, -1.0, 0.0], [0.0, 1.0, 0.0, 0.0]] };
-
-/// What makes two primitives the same mesh: positions, normals, texture coordinates, indices, mode.
-type Key = (usize, Option<usize>, Option<usize>, Option<usize>, u8);
-
-struct Reader<'a> {
-    buffers: Buffers<'a>,
-    /// Bytes that may still be made.
-    room: u64,
+struct Reader<'v, 'b> {
+    buffers: Buffers<'v, 'b>,
+    nodes: Vec<Item<'v>>,
+    meshes: Vec<Item<'v>>,
+    skins: Vec<Item<'v>>,
+    /// Where all nodes stand; computed for the first skin.
+    maps: Option<Vec<Option<Affine>>>,
+    looks: Vec<Look>,
+    /// Parts that may still be made for nothing.
+    parts: u64,
+    /// Its surfaces are those that stand behind the file's own.
     model: Model,
-    known: BTreeMap<Key, Option<usize>>,
+    known: BTreeMap<Key, Option<Made>>,
     /// How many primitives use each accessor of positions.
     shared: BTreeMap<usize, u32>,
-    /// What is not read, and how often.
-    skipped: BTreeMap<&'static str, u64>,
+    /// Materials under the color of vertices.
+    tinted: BTreeMap<(Option<usize>, [u64; 3], bool), usize>,
+    /// What is not read: where first, how often, and whether it may be seen.
+    skipped: BTreeMap<&'static str, (String, u64, bool)>,
     names: Unique,
+    /// The node or mesh that is asked for.
+    part: Option<&'v str>,
+    /// The names that parts can be asked by.
+    all: Vec<String>,
+    /// Which parts were asked for.
+    selected: Vec<bool>,
+    notes: Vec<Note>,
 }
 
-impl Reader<'_> {
-    /// The model, the names that parts can be asked by, and which parts belong to `part`.
-    fn run(mut self, part: Option<&str>, notes: &mut Vec<Note>) -> Result<(Model, Vec<String>, Vec<bool>), FileError> {
-        let root = self.buffers.root;
-        for primitive in root.meshes.iter().flat_map(|mesh| &mesh.primitives) {
-            if let Some(positions) = primitive.attributes.get(&Checked::Valid(Semantic::Positions)) {
-                *self.shared.entry(positions.value()).or_default() += 1;
+/// A node and where its mesh stands.
+#[derive(Clone, Copy)]
+struct Place<'v> {
+    node: Item<'v>,
+    map: Affine,
+    chosen: bool,
+}
+
+/// A primitive in what holds it.
+struct Primitive<'v, 'w> {
+    mesh: Item<'v>,
+    at: usize,
+    item: Item<'v>,
+    material: Option<usize>,
+    weights: &'w [f64],
+    joints: Option<&'w [Affine]>,
+}
+
+impl<'v> Reader<'v, '_> {
+    fn run(&mut self, document: &Document<'v>) -> Result<(), FileError> {
+        for primitive in self.meshes.iter().flat_map(|mesh| mesh.objects("primitives")) {
+            let positions = primitive.inner("attributes").and_then(|attributes| attributes.count("POSITION"));
+            if let Some(positions) = positions {
+                *self.shared.entry(positions).or_default() += 1;
             }
         }
-        let mut all = Vec::new();
-        let mut selected = Vec::new();
-        let mut seen = vec![false; root.nodes.len()];
-        for (index, map, chosen) in roots(root).into_iter().map(|index| (index, UPRIGHT, false)) {
-            // A stack: trees may be deep.
-            let mut open = vec![(index, map, chosen)];
-            while let Some((index, outer, chosen)) = open.pop() {
-                let Some(node) = root.nodes.get(index) else { continue };
-                if std::mem::replace(&mut seen[index], true) {
-                    let message = "it lies in two places, or within itself";
-                    return Err(FileError::new(format!("node {index}"), message));
-                }
-                let name = node.name.as_deref().unwrap_or("");
-                let chosen = chosen || part == Some(name);
-                let map = local(node).then(&outer);
-                if node.skin.is_some() {
-                    *self
-                        .skipped
-                        .entry("skins are not read: the mesh has the pose in which it was bound")
-                        .or_default() += 1;
-                }
-                if node.camera.is_some() {
-                    *self.skipped.entry("cameras are not read").or_default() += 1;
-                }
-                if let Some(mesh) = node.mesh {
-                    if !name.is_empty() {
-                        all.push(name.to_owned());
-                    }
-                    self.mesh(mesh.value(), name, &map, part, chosen, &mut all, &mut selected, notes)?;
-                }
-                let children = node.children.iter().flatten().rev();
-                open.extend(children.map(|child| (child.value(), map, chosen)));
-            }
+        for animation in document.list("animations")? {
+            self.skip(animation, "animations are not read: all stands as the nodes say", false);
         }
-        for (what, count) in &self.skipped {
-            notes.push(Note::info("", format!("{what} ({})", plural(*count, "time"))));
+        let nodes = std::mem::take(&mut self.nodes);
+        let found = nodes::walk(&nodes, &document.roots(&nodes)?, false, |node, map, chosen| {
+            if node.extension("KHR_node_visibility").is_some_and(|own| own.get("visible") == Some(&false.into())) {
+                return Ok(None);
+            }
+            let chosen = chosen || self.part == Some(node.text("name").unwrap_or(""));
+            self.node(node, map, chosen, &nodes)?;
+            Ok(Some(chosen))
+        });
+        found?;
+        for (what, (place, count, seen)) in &self.skipped {
+            let note = Note::dropped(place, format!("{what} ({})", super::plural(*count, "time")));
+            self.notes.push(if *seen { note } else { note.slight() });
         }
         let mut known = std::collections::BTreeSet::new();
-        all.retain(|name| known.insert(name.clone()));
-        Ok((self.model, all, selected))
+        self.all.retain(|name| known.insert(name.clone()));
+        let own = std::mem::take(&mut self.looks).into_iter().map(|look| look.surface);
+        self.model.surfaces.splice(0..0, own);
+        Ok(())
     }
 
-    #[expect(clippy::too_many_arguments, reason = "what is known of a node, and three lists to add to")]
-    fn mesh(
-        &mut self,
-        index: usize,
-        node: &str,
-        map: &Affine,
-        part: Option<&str>,
-        chosen: bool,
-        all: &mut Vec<String>,
-        selected: &mut Vec<bool>,
-        notes: &mut Vec<Note>,
-    ) -> Result<(), FileError> {
-        let Some(mesh) = self.buffers.root.meshes.get(index) else { return Ok(()) };
-        let own = mesh.name.as_deref().unwrap_or("");
-        if !own.is_empty() {
-            all.push(own.to_owned());
+    fn skip(&mut self, item: Item<'_>, what: &'static str, seen: bool) {
+        self.skipped.entry(what).or_insert_with(|| (item.place(), 0, seen)).1 += 1;
+    }
+
+    fn node(&mut self, node: Item<'v>, map: &Affine, chosen: bool, nodes: &[Item<'v>]) -> Result<(), FileError> {
+        if node.get("camera").is_some() {
+            self.skip(node, "cameras are not read", false);
         }
-        if !map.is_invertible() {
-            let message = "a node flattens its mesh, which is left out";
-            notes.push(Note::warn(format!("mesh {index}"), message));
-            return Ok(());
+        if node.extension("KHR_lights_punctual").is_some() {
+            self.skip(node, "lights (`KHR_lights_punctual`) are not read", true);
         }
-        let name = if node.is_empty() { own } else { node };
-        for (at, primitive) in mesh.primitives.iter().enumerate() {
-            let Some(made) = self.primitive(primitive, own, notes).map_err(|error| {
-                let place = format!("mesh {index}, primitive {at}");
-                let place = if error.place.is_empty() { place } else { format!("{place}, {}", error.place) };
-                FileError { place, ..error }
-            })?
-            else {
-                continue;
-            };
-            let name = self.names.name(name);
-            let surface = primitive.material.map(|material| material.value());
-            self.model.parts.push(Part { name, mesh: made, surface, transform: *map });
-            selected.push(chosen || part == Some(own));
+        let Some(mesh) = node.link("mesh", &self.meshes)?.copied() else { return Ok(()) };
+        for name in [node, mesh].iter().filter_map(|item| item.text("name")).filter(|name| !name.is_empty()) {
+            self.all.push(name.to_owned());
+        }
+        let joints = match node.link("skin", &self.skins)?.copied() {
+            None => None,
+            Some(skin) => {
+                let maps = self.maps.get_or_insert_with(|| nodes::maps(nodes));
+                Some(deform::joints(skin, maps, &self.buffers)?)
+            }
+        };
+        let weights = deform::weights(node, mesh);
+        let places = match node.extension("EXT_mesh_gpu_instancing") {
+            None => vec![*map],
+            Some(own) => nodes::instances(own, &self.buffers)?.iter().map(|place| place.then(map)).collect(),
+        };
+        for map in places {
+            self.mesh(mesh, Place { node, map, chosen }, &weights, joints.as_deref())?;
         }
         Ok(())
     }
 
-    /// The mesh of a primitive; none where it has no triangles.
-    fn primitive(
+    fn mesh(
         &mut self,
-        primitive: &json::mesh::Primitive,
-        name: &str,
-        notes: &mut Vec<Note>,
-    ) -> Result<Option<usize>, FileError> {
-        let attribute = |semantic| primitive.attributes.get(&Checked::Valid(semantic)).map(|index| index.value());
-        let Checked::Valid(mode) = primitive.mode else { return Err(FileError::new("", "its mode is not known")) };
-        let mode = match mode {
-            Mode::Triangles => 0,
-            Mode::TriangleStrip => 1,
-            Mode::TriangleFan => 2,
-            Mode::Points | Mode::Lines | Mode::LineLoop | Mode::LineStrip => {
-                *self.skipped.entry("points and lines are not read").or_default() += 1;
+        mesh: Item<'v>,
+        place: Place<'v>,
+        weights: &[f64],
+        joints: Option<&[Affine]>,
+    ) -> Result<(), FileError> {
+        let Place { node, map, chosen } = place;
+        let own = mesh.text("name").unwrap_or("");
+        let name = node.text("name").filter(|name| !name.is_empty()).unwrap_or(own);
+        for (at, item) in mesh.objects("primitives").enumerate() {
+            let pointer = || format!("{}/primitives/{at}", mesh.place());
+            let material = item.count("material");
+            if item.get("material").is_some() && material.is_none_or(|at| at >= self.looks.len()) {
+                return Err(FileError::new(format!("{}/material", pointer()), "an index points to nothing"));
+            }
+            let primitive = Primitive { mesh, at, item, material, weights, joints };
+            let made = self.primitive(&primitive).map_err(|error| {
+                let place = if error.place.is_empty() { pointer() } else { error.place };
+                FileError { place, ..error }
+            })?;
+            let Some(Made { mesh: made, colors, leaves, placed }) = made else { continue };
+            if placed && !map.is_invertible() {
+                self.skip(node, "meshes that a node flattens are left out", true);
+                continue;
+            }
+            match self.parts.checked_sub(1) {
+                Some(left) => self.parts = left,
+                None => self.buffers.afford(PART)?,
+            }
+            let surface = self.tinted(material, colors);
+            if let Some(surface) = surface.filter(|_| material.is_some_and(|at| self.looks[at].ends)) {
+                self.lose(
+                    surface,
+                    if leaves {
+                        "that its image does not repeat (`wrapS` and `wrapT` of its sampler)"
+                    } else {
+                        "what its image is next to its edges, in half a pixel (`wrapS` and `wrapT` of its sampler)"
+                    },
+                );
+            }
+            let transform = if placed { map } else { Affine::IDENTITY };
+            self.model.parts.push(Part { name: self.names.name(name), mesh: made, surface, transform });
+            self.selected.push(chosen || self.part == Some(own));
+        }
+        Ok(())
+    }
+
+    /// The surface of a number, among the file's own and those that stand behind them.
+    fn surface(&mut self, at: usize) -> Option<&mut Surface> {
+        let own = self.looks.len();
+        match self.looks.get_mut(at) {
+            Some(look) => Some(&mut look.surface),
+            None => self.model.surfaces.get_mut(at - own),
+        }
+    }
+
+    fn lose(&mut self, at: usize, what: &'static str) {
+        if let Some(surface) = self.surface(at).filter(|surface| !surface.lost.contains(&what)) {
+            surface.lost.push(what);
+        }
+    }
+
+    /// The material under the colors of vertices (glTF 2.0, 3.7.2.1).
+    fn tinted(&mut self, material: Option<usize>, colors: Colors) -> Option<usize> {
+        let Colors { mean, vary } = colors;
+        if mean == [1.0; 3] && !vary {
+            return material;
+        }
+        let key = (material, mean.map(f64::to_bits), vary);
+        if let Some(known) = self.tinted.get(&key) {
+            return Some(*known);
+        }
+        let mut surface = match material.and_then(|at| self.surface(at)) {
+            Some(surface) => surface.clone(),
+            None => Surface {
+                name: String::new(),
+                scatter: Scatter::Diffuse([1.0; 3]),
+                emission: None,
+                picture: None,
+                lost: vec!["what it is made of, but for the colors of its vertices"],
+            },
+        };
+        let times = |color: &mut Vec3| *color = [0, 1, 2].map(|channel| color[channel] * mean[channel]);
+        match &mut surface.scatter {
+            Scatter::Diffuse(color) | Scatter::Mirror(color) => times(color),
+            Scatter::MetallicRoughness { base, metallic: _, roughness: _, ior: _ } => times(base),
+            Scatter::Glass { ior: _, alpha: _ } => {
+                surface.lost.push("the tint of transmitted light by colors of vertices")
+            }
+        }
+        if surface.picture.is_some() {
+            surface.lost.push("colors of vertices over an image");
+        } else if vary {
+            surface.lost.push("how the colors of its vertices vary: their mean stands for them");
+        }
+        self.model.surfaces.push(surface);
+        let index = self.looks.len() + self.model.surfaces.len() - 1;
+        self.tinted.insert(key, index);
+        Some(index)
+    }
+
+    /// The mesh of a primitive; none where it has no triangles.
+    fn primitive(&mut self, primitive: &Primitive<'v, '_>) -> Result<Option<Made>, FileError> {
+        let Primitive { mesh, at, item, material, weights, joints } = primitive;
+        let mode = item.count("mode").unwrap_or(4);
+        match mode {
+            4..=6 => {}
+            0..=3 => {
+                self.skip(*mesh, "points and lines are not read", true);
                 return Ok(None);
             }
-        };
-        if primitive.targets.is_some() {
-            *self.skipped.entry("morph targets are not read").or_default() += 1;
+            _ => return Err(FileError::new("", "its mode is not known")),
         }
-        if attribute(Semantic::Colors(0)).is_some() {
-            *self.skipped.entry("vertex colours are not read").or_default() += 1;
+        let look = material.and_then(|at| self.looks.get(at)).filter(|look| look.surface.picture.is_some());
+        let (set, map) = look.map_or((0, PLAIN), |look| (look.set, look.map));
+        let uv = format!("TEXCOORD_{set}");
+        let attributes = item.inner("attributes");
+        let mut others: Vec<(&'static str, bool)> = Vec::new();
+        for name in attributes.iter().flat_map(Item::keys) {
+            if name.starts_with('_') {
+                others.push(("attributes of applications, whose names begin with `_`, are not read", false));
+            } else if name.starts_with("TEXCOORD_") && name != uv && look.is_some() {
+                others.push(("texture coordinates that the image of the base color does not use are not read", false));
+            } else if name.starts_with("COLOR_") && name != "COLOR_0" {
+                others.push(("colors of vertices after the first are not read", false));
+            }
         }
-        let Some(positions) = attribute(Semantic::Positions) else {
-            *self.skipped.entry("primitives without positions are left out").or_default() += 1;
+        for (what, seen) in others {
+            self.skip(*mesh, what, seen);
+        }
+        let index =
+            |holder: Option<Item<'v>>, key: &str| match holder.and_then(|holder| Some((holder, holder.get(key)?))) {
+                None => Ok(None),
+                Some((_, value)) => match document::whole(value).filter(|at| *at < self.buffers.accessors().len()) {
+                    Some(at) => Ok(Some(at)),
+                    None => Err(FileError::new("", format!("the index of `{key}` points to nothing"))),
+                },
+            };
+        let (positions, indices) = (index(attributes, "POSITION")?, index(Some(*item), "indices")?);
+        let (normals, uvs, colors) =
+            (index(attributes, "NORMAL")?, index(attributes, &uv)?, index(attributes, "COLOR_0")?);
+        let Some(_) = positions else {
+            self.skip(*mesh, "primitives without positions are left out", true);
             return Ok(None);
         };
-        let indices = primitive.indices.map(|index| index.value());
-        let key = (positions, attribute(Semantic::Normals), attribute(Semantic::TexCoords(0)), indices, mode);
-        if let Some(known) = self.known.get(&key) {
+        let morphs = item.get("targets").is_some() && weights.iter().any(|weight| *weight != 0.0);
+        let morphed = morphs.then(|| (mesh.at(), *at, weights.iter().map(|weight| weight.to_bits()).collect()));
+        let turned = [0, 1, 2, 3, 4, 5].map(|at: usize| map[at / 3][at % 3].to_bits());
+        let key: Key = ([positions, normals, uvs, indices, colors], mode, turned, morphed);
+        if joints.is_none()
+            && let Some(known) = self.known.get(&key)
+        {
             return Ok(*known);
         }
-        let made = self.geometry(key, notes)?.map(|geometry| {
-            self.model.meshes.push((name.to_owned(), geometry));
-            self.model.meshes.len() - 1
+        let made = self.geometry(primitive, &key, &map)?.map(|(geometry, colors, placed)| {
+            let leaves = |[u, v]: &[f32; 2]| !(0.0..=1.0).contains(u) || !(0.0..=1.0).contains(v);
+            let leaves = geometry.uvs.iter().flatten().any(leaves);
+            self.model.meshes.push((mesh.text("name").unwrap_or("").to_owned(), geometry));
+            Made { mesh: self.model.meshes.len() - 1, colors, leaves, placed }
         });
-        self.known.insert(key, made);
+        if joints.is_none() {
+            self.known.insert(key, made);
+        }
         Ok(made)
     }
 
-    fn geometry(&mut self, key: Key, notes: &mut Vec<Note>) -> Result<Option<Geometry>, FileError> {
-        let (positions, normals, uvs, indices, mode) = key;
-        let length = |at: Option<usize>| at.and_then(|at| self.buffers.root.accessors.get(at)).map_or(0, |a| a.count.0);
-        // Twelve bytes for a position or triangle; a strip has nearly as many triangles as indices.
-        let corners = if indices.is_some() { length(indices) } else { length(Some(positions)) };
-        let lengths = [length(Some(positions)), length(normals), length(uvs), corners];
-        let size = lengths.into_iter().fold(0, u64::saturating_add).saturating_mul(12);
-        self.room = self.room.checked_sub(size).ok_or_else(|| {
-            FileError::new("", format!("what the file describes is more than {GROWTH} times as large as the file"))
-                .help("its meshes lie on top of each other: repair it in the program that made it")
-        })?;
-        let all = self.buffers.vectors::<3>(positions, Type::Vec3)?;
+    /// The numbers of a mesh, the colors of its vertices, and whether it stands where its node does.
+    fn geometry(
+        &mut self,
+        primitive: &Primitive<'v, '_>,
+        key: &Key,
+        map: &UvMap,
+    ) -> Result<Option<(Geometry, Colors, bool)>, FileError> {
+        let ([Some(positions), normals, uvs, indices, colors], mode, ..) = key else { return Ok(None) };
+        let buffers = &self.buffers;
+        // Twelve bytes for a triangle, and a strip has nearly as many as indices; as much again where normals are made flat.
+        let corners = buffers.count(indices.unwrap_or(*positions)) as u64;
+        buffers.afford(corners.saturating_mul(24))?;
+        let mut all = buffers.vectors::<3>(*positions)?;
         let count = all.len();
-        let normals = normals.map(|at| self.buffers.vectors::<3>(at, Type::Vec3)).transpose()?;
-        let uvs = uvs.map(|at| self.buffers.vectors::<2>(at, Type::Vec2)).transpose()?;
-        for (what, length) in
-            [("normals", normals.as_ref().map(Vec::len)), ("texture coordinates", uvs.as_ref().map(Vec::len))]
-        {
+        let mut normals = normals.map(|at| buffers.vectors::<3>(at)).transpose()?;
+        let mut uvs = uvs.map(|at| buffers.vectors::<2>(at)).transpose()?;
+        let colors = colors.map(|at| color(at, buffers)).transpose()?;
+        let lengths = [
+            ("normals", normals.as_ref().map(Vec::len)),
+            ("texture coordinates", uvs.as_ref().map(Vec::len)),
+            ("colors", colors.as_ref().map(Vec::len)),
+        ];
+        for (what, length) in lengths {
             if let Some(length) = length.filter(|length| *length != count) {
                 return Err(FileError::new("", format!("it has {count} positions and {length} {what}")));
             }
         }
         let corners = match indices {
-            Some(at) => self.buffers.indices(at)?,
+            Some(at) => buffers.whole::<1>(*at)?.into_flattened(),
             None => {
                 (0..u32::try_from(count).map_err(|_| FileError::new("", "it has more than 2^32 vertices"))?).collect()
             }
@@ -371,43 +418,107 @@ impl Reader<'_> {
         if let Some(index) = corners.iter().find(|index| **index as usize >= count) {
             return Err(FileError::new("", format!("a triangle uses vertex {index}, but there are {count} vertices")));
         }
-        let triangles: Vec<[u32; 3]> = match mode {
-            0 => {
+        let mut triangles: Vec<[u32; 3]> = match mode {
+            4 => {
                 let (triangles, rest) = corners.as_chunks::<3>();
                 if !rest.is_empty() {
-                    notes.push(Note::warn(
-                        "",
-                        format!("{} behind the last triangle not read", plural(rest.len() as u64, "index")),
-                    ));
+                    let message = "behind the last triangle not read";
+                    self.notes.push(Note::warn(primitive.mesh.place(), message).counting(rest.len() as u64, "index"));
                 }
                 triangles.to_vec()
             }
             // Every other triangle of a strip is wound the other way (glTF 2.0, 3.7.2.1).
-            1 => corners
-                .windows(3)
-                .enumerate()
-                .map(|(at, w)| if at % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] })
-                .collect(),
-            _ => {
-                let mut faces = Faces::default();
-                faces.push(&corners, String::new);
-                faces.triangles
+            5 => {
+                let wound =
+                    |(at, w): (usize, &[u32])| if at % 2 == 0 { [w[0], w[1], w[2]] } else { [w[0], w[2], w[1]] };
+                corners.windows(3).enumerate().map(wound).collect()
             }
+            _ => match corners.split_first() {
+                Some((first, rest)) => rest.windows(2).map(|pair| [*first, pair[0], pair[1]]).collect(),
+                None => Vec::new(),
+            },
         };
         if triangles.is_empty() {
             return Ok(None);
         }
+        let set = format!("TEXCOORD_{}", self.looks_set(primitive));
+        let buffers = &self.buffers;
+        if let Some(moved) = deform::morph(primitive.item, primitive.weights, &set, count, buffers)? {
+            deform::displace(&mut all, moved.positions.as_ref());
+            if let Some(normals) = &mut normals {
+                deform::displace(normals, moved.normals.as_ref());
+                // What is no longer of unit length was so as the file meant it.
+                deform::straighten(normals);
+            }
+            if let Some(uvs) = &mut uvs {
+                deform::displace(uvs, moved.uvs.as_ref());
+            }
+        }
+        let mut placed = true;
+        if let Some(joints) = primitive.joints {
+            match deform::skinned(primitive.item, joints, &mut all, normals.as_mut(), buffers)? {
+                None => self.skip(primitive.mesh, "skins of meshes without joints are not read", true),
+                Some(mirrored) => {
+                    placed = false;
+                    if mirrored {
+                        triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
+                    }
+                }
+            }
+        }
+        let colors = colors.map_or(WHITE, |colors| mean(&colors, &triangles, &all));
         // v grows downwards in glTF.
-        let uvs = uvs.map(|uvs| uvs.into_iter().map(|[u, v]| [u, 1.0 - v]).collect());
+        let turn = |[u, v]: [f32; 2]| {
+            let at = [u, v].map(f64::from);
+            let [u, v] = map.map(|row| (row[0] * at[0] + row[1] * at[1] + row[2]) as f32);
+            [u, 1.0 - v]
+        };
+        let uvs = uvs.map(|uvs| uvs.into_iter().map(turn).collect());
         let mut geometry = Geometry { positions: all, normals, uvs, triangles };
-        if self.shared.get(&positions).is_some_and(|uses| *uses > 1) {
+        if self.shared.get(positions).is_some_and(|uses| *uses > 1) {
             geometry = compact(geometry);
         }
-        finish(&mut geometry, notes, |vertex| format!("vertex {vertex}"))?;
+        finish(&mut geometry, &mut self.notes, |vertex| format!("vertex {vertex}"))?;
         // Where a file gives no normals they are flat (glTF 2.0, 3.7.2.1).
-        let geometry = if geometry.normals.is_some() { geometry } else { flat(geometry, notes)? };
-        Ok((!geometry.triangles.is_empty()).then_some(geometry))
+        let geometry = if geometry.normals.is_some() { geometry } else { flat(geometry, &mut self.notes)? };
+        Ok((!geometry.triangles.is_empty()).then_some((geometry, colors, placed)))
     }
+
+    /// The set of texture coordinates that a primitive is laid out by.
+    fn looks_set(&self, primitive: &Primitive<'_, '_>) -> usize {
+        let look = primitive.material.and_then(|at| self.looks.get(at));
+        look.filter(|look| look.surface.picture.is_some()).map_or(0, |look| look.set)
+    }
+}
+
+/// The colors of vertices, which are linear; alpha is left out.
+fn color(at: usize, buffers: &Buffers<'_, '_>) -> Result<Vec<[f32; 3]>, FileError> {
+    match buffers.kind(at) {
+        "VEC4" => Ok(buffers.vectors::<4>(at)?.into_iter().map(|[r, g, b, _]| [r, g, b]).collect()),
+        _ => buffers.vectors::<3>(at),
+    }
+}
+
+/// The mean of colors over triangles by their areas.
+fn mean(colors: &[[f32; 3]], triangles: &[[u32; 3]], positions: &[[f32; 3]]) -> Colors {
+    let at = |index: u32| colors[index as usize].map(|x| f64::from(x.clamp(0.0, 1.0)));
+    let first = triangles.first().map_or([1.0; 3], |triangle| at(triangle[0]));
+    if triangles.as_flattened().iter().all(|index| at(*index) == first) {
+        return Colors { mean: first, vary: false };
+    }
+    let (mut sum, mut size) = ([0.0; 3], 0.0);
+    for triangle in triangles {
+        let [a, b, c] = triangle.map(|index| positions[index as usize].map(f64::from));
+        let area = length(cross(sub(b, a), sub(c, a)));
+        if area.is_finite() {
+            size += area;
+            for corner in triangle.map(at) {
+                sum = [0, 1, 2].map(|channel| sum[channel] + area * corner[channel] / 3.0);
+            }
+        }
+    }
+    let mean = if size > 0.0 { sum.map(|x| x / size) } else { first };
+    Colors { mean, vary: true }
 }
 
 /// The geometry without the vertices that no triangle uses.
@@ -431,48 +542,7 @@ fn compact(geometry: Geometry) -> Geometry {
     }
 }
 
-/// The nodes of the default scene; of a file without scenes those that lie in no other.
-fn roots(root: &json::Root) -> Vec<usize> {
-    let scene = root.scene.map_or(0, |scene| scene.value());
-    if let Some(scene) = root.scenes.get(scene) {
-        return scene.nodes.iter().map(|node| node.value()).collect();
-    }
-    let mut inner = vec![false; root.nodes.len()];
-    for child in root.nodes.iter().flat_map(|node| node.children.iter().flatten()) {
-        if let Some(inner) = inner.get_mut(child.value()) {
-            *inner = true;
-        }
-    }
-    (0..root.nodes.len()).filter(|at| !inner[*at]).collect()
-}
-
-/// The map of a node: a matrix by columns, or scale, rotation and translation in this order.
-fn local(node: &json::scene::Node) -> Affine {
-    if let Some(matrix) = node.matrix {
-        let rows = [0, 1, 2].map(|row| [0, 1, 2, 3].map(|column| f64::from(matrix[4 * column + row])));
-        return Affine { rows };
-    }
-    let scale = node.scale.map_or([1.0; 3], |scale| scale.map(f64::from));
-    let translation = node.translation.map_or([0.0; 3], |by| by.map(f64::from));
-    Affine::scaling(scale).then(&turn(node)).then(&Affine::translation(translation))
-}
-
-/// The rotation of a node, from its quaternion x, y, z, w.
-fn turn(node: &json::scene::Node) -> Affine {
-    let Some(rotation) = &node.rotation else { return Affine::IDENTITY };
-    let [x, y, z, w] = rotation.0.map(f64::from);
-    let size = (x * x + y * y + z * z + w * w).sqrt();
-    if normalized([x, y, z]).is_none() || !size.is_finite() {
-        return Affine::IDENTITY;
-    }
-    let [x, y, z, w] = [x, y, z, w].map(|part| part / size);
-    let rows = [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - z * w), 2.0 * (x * z + y * w), 0.0],
-        [2.0 * (x * y + z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - x * w), 0.0],
-        [2.0 * (x * z - y * w), 2.0 * (y * z + x * w), 1.0 - 2.0 * (x * x + y * y), 0.0],
-    ];
-    Affine { rows }
-}
-
+#[cfg(test)]
+mod cases_tests;
 #[cfg(test)]
 mod tests;

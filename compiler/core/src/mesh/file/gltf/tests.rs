@@ -1,5 +1,7 @@
 //! glTF files that are good, and files that are not.
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use proptest::prelude::*;
 use serde_json::{Value, json};
 
@@ -9,7 +11,7 @@ use super::*;
 use crate::files::MemorySink;
 
 /// Two triangles of a square in the plane z = 0 of the file: positions, normals, texture coordinates, indices of 16 bits.
-fn square() -> (Value, Vec<u8>) {
+pub(super) fn square() -> (Value, Vec<u8>) {
     let mut bytes = Vec::new();
     let mut put = |numbers: &[f32]| bytes.extend(numbers.iter().flat_map(|x| x.to_le_bytes()));
     put(&[0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0]);
@@ -42,7 +44,7 @@ fn square() -> (Value, Vec<u8>) {
     (document, bytes)
 }
 
-fn glb(document: &Value, buffer: &[u8]) -> Vec<u8> {
+pub(super) fn glb(document: &Value, buffer: &[u8]) -> Vec<u8> {
     let mut text = document.to_string().into_bytes();
     text.resize(text.len().next_multiple_of(4), b' ');
     let mut bytes = b"glTF\x02\0\0\0".to_vec();
@@ -56,17 +58,17 @@ fn glb(document: &Value, buffer: &[u8]) -> Vec<u8> {
     bytes
 }
 
-fn changed(change: impl FnOnce(&mut Value)) -> Vec<u8> {
+pub(super) fn changed(change: impl FnOnce(&mut Value)) -> Vec<u8> {
     let (mut document, bytes) = square();
     change(&mut document);
     glb(&document, &bytes)
 }
 
-fn fault(bytes: &[u8]) -> String {
+pub(super) fn fault(bytes: &[u8]) -> String {
     read_parts("glb", bytes, &mut alone).map(|_| ()).expect_err("a bad file").to_string()
 }
 
-fn near(a: [f32; 3], b: [f32; 3]) -> bool {
+pub(super) fn near(a: [f32; 3], b: [f32; 3]) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5)
 }
 
@@ -148,12 +150,17 @@ fn materials_are_told() {
         let (model, _) = read_parts("glb", &bytes, &mut alone).expect("a good file");
         model.surfaces.into_iter().next().expect("a material")
     };
-    let glass = surface(json!({"name": "g", "pbrMetallicRoughness": {"roughnessFactor": 0.5},
-        "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.33}}}));
-    assert!(matches!(glass.scatter, Scatter::Glass { ior, alpha } if (ior - 1.33).abs() < 1e-6 && alpha == 0.25));
+    let clear = |metallic: f64| {
+        surface(json!({"name": "g", "pbrMetallicRoughness": {"roughnessFactor": 0.5, "metallicFactor": metallic},
+            "extensions": {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": {"ior": 1.33}}}))
+    };
+    assert_eq!(clear(0.0).scatter, Scatter::Glass { ior: 1.33, alpha: 0.25 });
+    // Only what is no metal transmits (KHR_materials_transmission), and a metal has no index of its own.
+    assert!(matches!(clear(1.0).scatter, Scatter::MetallicRoughness { metallic: 1.0, roughness: 0.5, .. }));
     let metal = surface(json!({"pbrMetallicRoughness": {"roughnessFactor": 0, "baseColorFactor": [1, 0.5, 0, 1]}}));
     assert_eq!(metal.scatter, Scatter::Mirror([1.0, 0.5, 0.0]));
     let lamp = surface(json!({"emissiveFactor": [1, 0.5, 0], "alphaMode": "MASK",
+        "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.5]},
         "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 30}}}));
     assert_eq!(lamp.emission, Some([30.0, 15.0, 0.0]));
     let base = [1.0; 3];
@@ -250,7 +257,7 @@ fn faults_are_found() {
     words(&|d| d["accessors"][0]["byteOffset"] = json!(u64::MAX), "do not lie within its buffer");
     words(&|d| d["bufferViews"][0]["byteOffset"] = json!(u64::MAX), "do not lie within its buffer");
     words(&|d| d["bufferViews"][0]["byteStride"] = json!(4), "lie within each other");
-    words(&|d| d["accessors"][1]["type"] = json!("VEC2"), "Vec2, not Vec3");
+    words(&|d| d["accessors"][1]["type"] = json!("VEC2"), "VEC2, not VEC3");
     words(&|d| d["accessors"][1]["count"] = json!(3), "it has 4 positions and 3 normals");
     words(&|d| d["accessors"][3]["componentType"] = json!(5122), "whole numbers");
     words(&|d| d["meshes"][0]["primitives"][0]["indices"] = json!(9), "points to nothing");
@@ -258,7 +265,10 @@ fn faults_are_found() {
     words(&|d| d["nodes"][1]["children"] = json!([0]), "within itself");
     words(&|d| d["nodes"][0]["children"] = json!([1, 1]), "in two places");
     words(&|d| d["nodes"][0]["scale"] = json!([0, 0, 0]), "no triangles");
-    words(&|d| d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]), "requires an extension");
+    words(
+        &|d| d["extensionsRequired"] = json!(["KHR_draco_mesh_compression"]),
+        "requires the extension `KHR_draco_mesh_compression`",
+    );
     words(&|d| d["scenes"][0]["nodes"] = json!([]), "no triangles");
     let index = changed(|d| d["bufferViews"][3]["byteOffset"] = json!(8));
     assert!(fault(&index).contains("uses vertex"), "{}", fault(&index));
