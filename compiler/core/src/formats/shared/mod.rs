@@ -5,6 +5,7 @@ pub mod bounds;
 pub mod camera;
 pub mod coat;
 pub mod fresnel;
+pub mod images;
 pub mod microfacet;
 pub mod names;
 pub mod number;

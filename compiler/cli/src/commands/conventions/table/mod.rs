@@ -5,6 +5,7 @@ mod conductors;
 mod emission;
 mod glass;
 mod groups;
+mod images;
 mod lights;
 mod shading;
 
@@ -23,8 +24,16 @@ macro_rules! convention {
 use convention;
 
 /// All conventions by family, in the order in which they are shown.
-const FAMILIES: &[&[Convention]] =
-    &[camera::ROWS, emission::ROWS, lights::ROWS, conductors::ROWS, glass::ROWS, shading::ROWS, groups::ROWS];
+const FAMILIES: &[&[Convention]] = &[
+    camera::ROWS,
+    emission::ROWS,
+    lights::ROWS,
+    conductors::ROWS,
+    glass::ROWS,
+    shading::ROWS,
+    images::ROWS,
+    groups::ROWS,
+];
 
 /// All conventions.
 pub fn all() -> impl Iterator<Item = &'static Convention> {

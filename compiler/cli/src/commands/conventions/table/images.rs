@@ -1,0 +1,129 @@
+//! Conventions of images: on surfaces, and of the environment.
+
+use super::super::kinds::{Channel, Check, Convention, Expected, Measure, Region, Tolerance, View, area};
+use super::{check, convention};
+
+pub(super) const ROWS: &[Convention] = &[
+    convention!(
+        "texture_quarters",
+        &[
+            quarters("sRGB in PNG of 8 bits", &[("file", "\"images/quarters.png\"")], SRGB),
+            quarters("sRGB in PNG of 16 bits", &[("file", "\"images/quarters_16.png\"")], SRGB),
+            quarters("sRGB in JPEG", &[("file", "\"images/quarters.jpg\"")], SRGB),
+            quarters("linear in PNG of 8 bits", &[("file", "\"images/quarters.png\""), LINEAR], CODES),
+            quarters("linear in PNG of 16 bits", &[("file", "\"images/quarters_16.png\""), LINEAR], CODES),
+            quarters("linear in JPEG", &[("file", "\"images/quarters.jpg\""), LINEAR], CODES),
+            quarters("OpenEXR", &[("file", "\"images/quarters.exr\""), LINEAR], FLOATS),
+            quarters("PFM", &[("file", "\"images/quarters.pfm\""), LINEAR], FLOATS),
+            quarters("Radiance HDR", &[("file", "\"images/quarters.hdr\""), LINEAR], FLOATS),
+        ]
+    ),
+    convention!(
+        "texture_interpolation",
+        &[
+            quarters("sRGB in PNG of 8 bits", &[("file", "\"images/edge.png\"")], RAMP),
+            quarters("sRGB in PNG of 16 bits", &[("file", "\"images/edge_16.png\"")], RAMP),
+            quarters("sRGB in JPEG", &[("file", "\"images/edge.jpg\"")], RAMP),
+            quarters("linear in PNG of 8 bits", &[("file", "\"images/edge.png\""), LINEAR], RAMP),
+            quarters("linear in PNG of 16 bits", &[("file", "\"images/edge_16.png\""), LINEAR], RAMP),
+            quarters("linear in JPEG", &[("file", "\"images/edge.jpg\""), LINEAR], RAMP),
+            quarters("OpenEXR", &[("file", "\"images/edge.exr\""), LINEAR], RAMP),
+            quarters("PFM", &[("file", "\"images/edge.pfm\""), LINEAR], RAMP),
+            quarters("Radiance HDR", &[("file", "\"images/edge.hdr\""), LINEAR], RAMP),
+        ]
+    ),
+    convention!(
+        "environment_image",
+        &[
+            View { name: "along +y", set: &[], ..View::plain(SKY) },
+            View { name: "along -y", set: &[("y", "-1")], ..View::plain(SKY) },
+            View { name: "along +x", set: &[("x", "1"), ("y", "0")], ..View::plain(SKY) },
+            View { name: "along -x", set: &[("x", "-1"), ("y", "0")], ..View::plain(SKY) },
+            View { name: "along +z", set: &[("z", "1"), ("y", "0")], ..View::plain(SKY) },
+            View { name: "along -z", set: &[("z", "-1"), ("y", "0")], ..View::plain(SKY) },
+            View {
+                name: "turned, along +y",
+                set: &[("turn", "70deg"), ("scale", "3"), ("red", "0.5"), ("blue", "2")],
+                ..View::plain(SKY)
+            },
+            View {
+                name: "turned, along -x",
+                set: &[("x", "-1"), ("y", "0"), ("turn", "70deg"), ("scale", "3"), ("red", "0.5"), ("blue", "2"),],
+                ..View::plain(SKY)
+            },
+            View {
+                name: "turned, along +z",
+                set: &[("z", "1"), ("y", "0"), ("turn", "70deg"), ("scale", "3"), ("red", "0.5"), ("blue", "2"),],
+                ..View::plain(SKY)
+            },
+        ]
+    ),
+];
+
+const LINEAR: (&str, &str) = ("encoding", "\"linear\"");
+
+const fn quarters(name: &'static str, set: &'static [(&'static str, &'static str)], checks: &'static [Check]) -> View {
+    View { name, set, ..View::plain(checks) }
+}
+
+/// The middle of a quarter, where neither its neighbours nor the repeated image on the other side show.
+const UPPER_LEFT: Region = area(0.125, 0.375, 0.125, 0.375);
+const UPPER_RIGHT: Region = area(0.625, 0.875, 0.125, 0.375);
+const LOWER_LEFT: Region = area(0.125, 0.375, 0.625, 0.875);
+const LOWER_RIGHT: Region = area(0.625, 0.875, 0.625, 0.875);
+
+/// The code of a quarter by the sRGB curve.
+const SRGB: &[Check] = &[
+    level("upper left", UPPER_LEFT, 0.012_983),
+    level("upper right", UPPER_RIGHT, 0.215_861),
+    level("lower left", LOWER_LEFT, 0.577_580),
+    level("lower right", LOWER_RIGHT, 1.0),
+];
+
+/// The code of a quarter as a share.
+const CODES: &[Check] = &[
+    level("upper left", UPPER_LEFT, 30.0 / 255.0),
+    level("upper right", UPPER_RIGHT, 128.0 / 255.0),
+    level("lower left", LOWER_LEFT, 200.0 / 255.0),
+    level("lower right", LOWER_RIGHT, 1.0),
+];
+
+const FLOATS: &[Check] = &[
+    level("upper left", UPPER_LEFT, 0.125),
+    level("upper right", UPPER_RIGHT, 0.25),
+    level("lower left", LOWER_LEFT, 0.5),
+    level("lower right", LOWER_RIGHT, 1.0),
+];
+
+/// 64 pixels of 128 samples; renderers find an environment of 1 with little noise.
+const fn level(name: &'static str, region: Region, value: f64) -> Check {
+    check(name, Measure::Mean(region, Channel::All), Expected::Number(value), Tolerance::Share(5e-3))
+}
+
+/// From the middle of a black pixel to that of a white one.
+const RAMP: &[Check] = &[
+    ramp("the first quarter", area(0.0, 0.25, 0.0, 1.0), 0.125),
+    ramp("the whole", Region::ALL, 0.5),
+    ramp("the last quarter", area(0.75, 1.0, 0.0, 1.0), 0.875),
+];
+
+const fn ramp(name: &'static str, region: Region, value: f64) -> Check {
+    check(name, Measure::Mean(region, Channel::All), Expected::Number(value), Tolerance::Plain(4e-3))
+}
+
+/// The sky in the quarters of the image, where each has another color, and the whole.
+const SKY: &[Check] = &[
+    sky("upper left, red", area(0.0, 0.5, 0.0, 0.5), Channel::Red),
+    sky("upper left, green", area(0.0, 0.5, 0.0, 0.5), Channel::Green),
+    sky("upper left, blue", area(0.0, 0.5, 0.0, 0.5), Channel::Blue),
+    sky("upper right, red", area(0.5, 1.0, 0.0, 0.5), Channel::Red),
+    sky("upper right, green", area(0.5, 1.0, 0.0, 0.5), Channel::Green),
+    sky("upper right, blue", area(0.5, 1.0, 0.0, 0.5), Channel::Blue),
+    sky("lower left, all", area(0.0, 0.5, 0.5, 1.0), Channel::All),
+    sky("lower right, all", area(0.5, 1.0, 0.5, 1.0), Channel::All),
+];
+
+/// Only where samples lie within pixels is left to chance, and half a row at the poles (0.2 % of a quarter that has one).
+const fn sky(name: &'static str, region: Region, channel: Channel) -> Check {
+    check(name, Measure::Mean(region, channel), Expected::Ideal, Tolerance::Share(8e-3))
+}
