@@ -74,10 +74,10 @@ fn choose(headers: &[Header]) -> Result<(usize, Vec<String>), Fault> {
         .iter()
         .map(|header| header.channels.list.iter().map(|channel| lossy(channel.name.bytes())).collect())
         .collect();
-    let colour = |layer: &str| ["R", "G", "B"].map(|name| format!("{layer}{name}"));
-    let has = |part: usize, layer: &str| colour(layer).iter().all(|name| names[part].contains(name));
+    let color = |layer: &str| ["R", "G", "B"].map(|name| format!("{layer}{name}"));
+    let has = |part: usize, layer: &str| color(layer).iter().all(|name| names[part].contains(name));
     if let Some(part) = (0..headers.len()).find(|part| has(*part, "")) {
-        return Ok((part, colour("").to_vec()));
+        return Ok((part, color("").to_vec()));
     }
     let mut layers: Vec<(usize, &str)> = Vec::new();
     for (part, names) in names.iter().enumerate() {
@@ -91,12 +91,12 @@ fn choose(headers: &[Header]) -> Result<(usize, Vec<String>), Fault> {
     let beauty = |layer: &str| layer == "Combined." || layer.ends_with(".Combined.");
     let combined: Vec<_> = layers.iter().filter(|(_, layer)| beauty(layer)).collect();
     match (&combined[..], &layers[..]) {
-        ([(part, layer)], _) | ([], [(part, layer)]) => return Ok((*part, colour(layer).to_vec())),
+        ([(part, layer)], _) | ([], [(part, layer)]) => return Ok((*part, color(layer).to_vec())),
         ([], []) => {}
         _ => {
             let all: Vec<&str> = layers.iter().map(|(_, layer)| layer.trim_end_matches('.')).collect();
             return Err(Fault::new(
-                format!("it has several layers with colours: {}", all.join(", ")),
+                format!("it has several layers with colors: {}", all.join(", ")),
                 "write the layer that is meant as channels R, G and B",
             ));
         }
@@ -111,7 +111,7 @@ fn choose(headers: &[Header]) -> Result<(usize, Vec<String>), Fault> {
         Some(part) => Ok((part, vec!["Y".to_owned()])),
         None => Err(Fault::new(
             format!("it has no channels R, G, B or Y, only {}", names.concat().join(", ")),
-            "write the colour of the image as channels R, G and B",
+            "write the color of the image as channels R, G and B",
         )),
     }
 }
@@ -138,8 +138,8 @@ fn usable(header: &Header, names: &[String]) -> Result<(), Fault> {
         let off = |(a, b): (&f32, &f32)| (a - b).abs().is_nan() || (a - b).abs() > SAME_PLACE;
         if places.as_flattened().iter().zip(REC_709.as_flattened()).any(off) {
             return Err(Fault::new(
-                "its colours have other primaries than those of sRGB (attribute `chromaticities`)",
-                "convert it to linear sRGB: numbers of other primaries are other colours",
+                "its colors have other primaries than those of sRGB (attribute `chromaticities`)",
+                "convert it to linear sRGB: numbers of other primaries are other colors",
             ));
         }
     }

@@ -21,7 +21,7 @@ use crate::output::{self, Exit, Failure, Located};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
 
-use super::shared::{CheckedFile, all_files_of, check, ledgers, losses, report, say_losses};
+use super::shared::{BAKED, CheckedFile, all_files_of, check, ledgers, losses, report, say_losses};
 
 /// A scene that can be written.
 struct Ready<'f> {
@@ -165,7 +165,9 @@ fn prepare<'f>(
     let scenes = checked.par_iter().filter_map(|file| {
         let scene = file.checked.scene.clone().filter(|_| file.checked.worst() < Severity::Deny)?;
         let prepared = pipeline::prepare(scene).map(|(scene, remarks)| {
-            let ledgers = ledgers(&scene, targets, &remarks);
+            let read = file.checked.findings.iter().filter(|finding| finding.id == BAKED);
+            let baked: Vec<Finding> = remarks.iter().chain(read).cloned().collect();
+            let ledgers = ledgers(&scene, targets, &baked);
             (scene, remarks, ledgers)
         });
         Some((file, prepared))

@@ -221,7 +221,10 @@ pub fn report_fixed(
     (exit, counts)
 }
 
-/// The ledger of a scene for each target; `baked` is what lowering found.
+/// What was computed beforehand, of images when they were read and of meshes when they were lowered.
+pub const BAKED: &str = "loss-baked";
+
+/// The ledger of a scene for each target; `baked` is what reading and lowering found.
 pub fn ledgers(scene: &Valid, targets: &[&'static Target], baked: &[Finding]) -> Vec<Ledger> {
     targets.iter().map(|target| Ledger::of(scene, target, baked)).collect()
 }
@@ -361,7 +364,8 @@ pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) ->
         Err(invalid) => (None, invalid),
     };
     project.levels_with(findings)?.judge(&mut remarks);
-    let baked = remarks.clone();
+    let mut baked = remarks.clone();
+    baked.extend(file.checked.findings.iter().filter(|finding| finding.id == BAKED).cloned());
     file.checked.findings.extend(remarks);
     match scene {
         Some(scene) => Ok(Ok(One { project, scene, camera, hash, file, baked })),

@@ -70,7 +70,7 @@ pub(super) fn load(bytes: &[u8], most: u64) -> Result<Exr, ImageError> {
         }
         remarks.push(Remark::new(
             Loss::Baked,
-            "has primaries of its own; its colours are converted to linear sRGB, white to white".to_owned(),
+            "has primaries of its own; its colors are converted to linear sRGB, white to white".to_owned(),
         ));
     }
     let same = header.channels.list.iter().all(|channel| channel.sample_type == header.channels.list[0].sample_type);
@@ -130,7 +130,7 @@ fn choose(headers: &[Header]) -> Result<(Chosen, Vec<&str>), ImageError> {
             let all: Vec<String> =
                 layers.iter().map(|(_, layer)| format!("`{}`", layer.trim_end_matches('.').escape_debug())).collect();
             return Err(ImageError::new(
-                format!("has several layers with colours: {}", all.join(", ")),
+                format!("has several layers with colors: {}", all.join(", ")),
                 "in its header",
             )
             .help("save the one that is meant as channels R, G and B"));
@@ -274,7 +274,7 @@ fn matrix(from: Chromaticities) -> Result<Option<[[f64; 3]; 3]>, ImageError> {
         return Ok(None);
     }
     primaries.to_srgb().map(Some).ok_or_else(|| {
-        ImageError::new("has primaries that are no colours", "the attribute `chromaticities`")
+        ImageError::new("has primaries that are no colors", "the attribute `chromaticities`")
             .help("remove the attribute, or write the primaries that are meant")
     })
 }

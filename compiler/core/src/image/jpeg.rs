@@ -23,6 +23,7 @@ pub(super) fn header(bytes: &[u8]) -> Result<Header, ImageError> {
     let mut found: Option<Header> = None;
     let mut spoken = Vec::new();
     let mut profile = Vec::new();
+    let mut plain = None;
     loop {
         let start = cursor.at;
         let place = || format!("the marker at byte {start}");
@@ -51,28 +52,27 @@ pub(super) fn header(bytes: &[u8]) -> Result<Header, ImageError> {
                     .help("renderers read baseline and progressive JPEG; save it as one of these, or as PNG"));
             }
             0xe1 if data.starts_with(b"Exif\0\0") => {
-                spoken.push((segment, super::turned(&data[6..]).then_some("that it is turned")));
+                spoken.push((segment, super::turned(&data[6..]).then_some("an orientation")));
             }
             0xe2 if data.starts_with(b"ICC_PROFILE\0") => {
                 profile.extend_from_slice(data);
                 spoken.push((segment, None));
             }
             // Adobe's marker, its last byte the transform: 0 for no luma and chroma.
-            0xee if data.starts_with(b"Adobe") && data.get(11) == Some(&0) => {
-                if found.as_ref().is_none_or(|found| found.channels == 3) {
-                    return Err(ImageError::new("holds red, green and blue instead of luma and chroma", place())
-                        .help("save it as PNG: many renderers take every JPEG for luma and chroma"));
-                }
-            }
+            0xee if data.starts_with(b"Adobe") && data.get(11) == Some(&0) => plain = Some(place()),
             0xda => {
                 let mut found = found.ok_or_else(|| ImageError::new("has pixels before its header", place()))?;
                 if cursor.at >= bytes.len() {
                     return Err(ImageError::cut(format!("byte {}", cursor.at)));
                 }
+                if let Some(place) = plain.filter(|_| found.channels == 3) {
+                    return Err(ImageError::new("holds red, green and blue instead of luma and chroma", place)
+                        .help("save it as PNG: many renderers take every JPEG for luma and chroma"));
+                }
                 if let Some((_, what)) =
                     spoken.iter_mut().find(|_| !profile.is_empty() && !super::png::is_srgb(&profile))
                 {
-                    *what = what.or(Some("its color profile"));
+                    *what = what.or(Some("a color profile"));
                 }
                 found.spoken = spoken;
                 return Ok(found);

@@ -86,12 +86,12 @@ impl Remark {
     }
 
     fn alpha() -> Self {
-        let message = "has an alpha, which is left out: its colours are taken as they are stored";
+        let message = "has an alpha, which is left out: its colors are taken as they are stored";
         Self::new(Loss::Dropped, message.to_owned())
     }
 
     fn unread(what: &str) -> Self {
-        Self::new(Loss::Dropped, format!("says {what}, which is not applied: its numbers are taken as they are stored"))
+        Self::new(Loss::Dropped, format!("has {what}, which is not applied: its numbers are taken as they are stored"))
     }
 }
 
@@ -216,8 +216,11 @@ fn sound(mut pixels: Pixels, remarks: &mut Vec<Remark>) -> Result<(Pixels, bool)
         *value = 0.0;
     }
     if count > 0 {
-        let words = if count == 1 { "a negative number, which becomes" } else { "negative numbers, which become" };
-        let message = format!("has {words} 0 ({count} of them, down to {least}): light cannot be negative");
+        let words = match count {
+            1 => format!("the negative number {least}, which becomes"),
+            _ => format!("{count} negative numbers, down to {least}, which become"),
+        };
+        let message = format!("has {words} 0: light cannot be negative");
         remarks.push(Remark::new(Loss::Approximated, message));
     }
     Ok((pixels, count > 0))

@@ -122,19 +122,19 @@ pub(super) fn load(bytes: &[u8]) -> Result<Png, ImageError> {
         let what = match (kind, *data) {
             (b"gAMA", [a, b, c, d]) if !srgb => {
                 let gamma = u32::from_be_bytes([*a, *b, *c, *d]);
-                (gamma.abs_diff(45_455) > SAME_GAMMA).then(|| format!("its gamma of {}", f64::from(gamma) / 100_000.0))
+                (gamma.abs_diff(45_455) > SAME_GAMMA).then(|| format!("a gamma of {}", f64::from(gamma) / 100_000.0))
             }
             (b"cHRM", places) if !srgb => {
                 let places =
                     places.chunks_exact(4).map(|part| part.iter().fold(0, |sum, byte| sum << 8 | u32::from(*byte)));
                 let off = places.zip(REC_709).any(|(place, wanted)| place.abs_diff(wanted) > SAME_PLACE);
-                off.then(|| "its primaries".to_owned())
+                off.then(|| "primaries of its own".to_owned())
             }
-            (b"iCCP", _) if profile != Some(true) => Some("its color profile".to_owned()),
+            (b"iCCP", _) if profile != Some(true) => Some("a color profile".to_owned()),
             // Primaries and curve of sRGB, as numbers that are not reordered.
-            (b"cICP", places) => (*places != [1, 13, 0, 1]).then(|| "its color space".to_owned()),
-            (b"eXIf", data) => super::turned(data).then(|| "that it is turned".to_owned()),
-            (b"acTL", _) => Some("that it moves".to_owned()),
+            (b"cICP", places) => (*places != [1, 13, 0, 1]).then(|| "a color space".to_owned()),
+            (b"eXIf", data) => super::turned(data).then(|| "an orientation".to_owned()),
+            (b"acTL", _) => Some("several frames".to_owned()),
             _ => None,
         };
         remarks.extend(what.map(|what| Remark::unread(&what)));

@@ -62,12 +62,12 @@ fn bitmap(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
 /// What is to be said of a part of an image file that does not stay as it is.
 pub(super) fn lost(path: &str, remark: Remark, span: Span) -> Finding {
     let Remark { loss, message } = remark;
-    let (id, severity) = match loss {
-        Loss::Baked => ("loss-baked", Severity::Info),
-        Loss::Approximated => ("loss-approximated", Severity::Warn),
-        Loss::Dropped => ("loss-dropped", Severity::Warn),
+    let id = match loss {
+        Loss::Baked => "loss-baked",
+        Loss::Approximated => "loss-approximated",
+        Loss::Dropped => "loss-dropped",
     };
-    Finding::new(id, severity, span, format!("`{path}` {message}"))
+    Finding::new(id, Severity::Warn, span, format!("`{path}` {message}"))
 }
 
 fn encoding(word: &str) -> Result<Encoding, Problem> {

@@ -220,7 +220,6 @@ fn supports_v3(feature: Feature) -> Support {
         | Feature::ScatteringEmitter
         | Feature::ColouredEmitter
         | Feature::Environment
-        | Feature::EnvironmentImage
         | Feature::PointLight
         | Feature::SpotLight
         | Feature::DirectionalLight
@@ -257,6 +256,10 @@ fn supports_v3(feature: Feature) -> Support {
             "as brightly as if it looked towards it with the same cosine (`LambertianReflection::f` knows no hemisphere): a \
              coarse sphere of 12 by 6 faces 2.3 % too bright, 3.5 % lit from the side, 27 % in the band between light and shadow (pbrt-v3 \
              against pbrt-v4, Mitsuba 3.9.1 and LuxCore 2.11.2); less with finer meshes",
+        ),
+        Feature::EnvironmentImage => Support::approximate(
+            "PBRT v3 mixes the rows of an environment's image at its two edges with each other",
+            "half a row of pixels at each pole (`InfiniteAreaLight::Le`: its `MIPMap` repeats); exact elsewhere",
         ),
         Feature::Texture => Support::approximate(
             "PBRT v3 averages an image over the footprint of a pixel of the film",
