@@ -223,7 +223,7 @@ fn read_channels(bytes: &[u8], names: &[String]) -> Result<Pixels, ImageError> {
 fn opaque(bytes: &[u8]) -> Result<Option<Remark>, ImageError> {
     let alpha = read_channels(bytes, &["A".to_owned()])?;
     let opaque = alpha.values.iter().all(|value| *value == 1.0);
-    Ok((!opaque).then(|| Remark::alpha()))
+    Ok((!opaque).then(Remark::alpha))
 }
 
 /// The display window, black where there are no data; and whether that is another one than the data window, or is not at the
@@ -280,12 +280,15 @@ fn matrix(from: Chromaticities) -> Result<Option<[[f64; 3]; 3]>, ImageError> {
 }
 
 fn fault(error: exr::error::Error) -> ImageError {
+    use exr::error::Error;
     match error {
-        exr::error::Error::NotSupported(what) => {
+        Error::NotSupported(what) => {
             ImageError::new(format!("is a kind of OpenEXR that cannot be read: {what}"), "in its header")
                 .help("save it as one flat part, with ZIP or PIZ compression")
         }
-        other => ImageError::new("is cut off or damaged", other.to_string()),
+        other @ (Error::Aborted | Error::Invalid(_) | Error::Io(_)) => {
+            ImageError::new("is cut off or damaged", other.to_string())
+        }
     }
 }
 

@@ -203,9 +203,9 @@ mod tests {
         let made = octahedral(&image, side([64, 32]));
         let solid = 4.0 * PI / (made.width * made.width) as f64;
         let wanted = power(&image);
-        for channel in 0..3 {
+        for (channel, wanted) in wanted.into_iter().enumerate() {
             let sum: f64 = made.values.iter().skip(channel).step_by(3).map(|x| f64::from(*x)).sum::<f64>() * solid;
-            assert!((sum / wanted[channel] - 1.0).abs() < 1e-6, "{channel}: {sum} for {}", wanted[channel]);
+            assert!((sum / wanted - 1.0).abs() < 1e-6, "{channel}: {sum} for {wanted}");
         }
         let brightest = |channel: usize| {
             let at = (0..made.width * made.width)

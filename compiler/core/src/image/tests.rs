@@ -51,7 +51,16 @@ fn with(png: &[u8], kind: &[u8; 4], data: &[u8]) -> Vec<u8> {
 const JPEG: &[u8] = include_bytes!("../../../../tests/cases/images/quads.jpg");
 
 fn jpeg(name: &str) -> Vec<u8> {
-    std::fs::read(format!("{}/../../tests/cases/images/{name}.jpg", env!("CARGO_MANIFEST_DIR"))).expect("a file")
+    let bytes: &[u8] = match name {
+        "cmyk" => include_bytes!("../../../../tests/cases/images/cmyk.jpg"),
+        "profile" => include_bytes!("../../../../tests/cases/images/profile.jpg"),
+        "progressive" => include_bytes!("../../../../tests/cases/images/progressive.jpg"),
+        "rgb" => include_bytes!("../../../../tests/cases/images/rgb.jpg"),
+        "srgb_icc" => include_bytes!("../../../../tests/cases/images/srgb_icc.jpg"),
+        "turned" => include_bytes!("../../../../tests/cases/images/turned.jpg"),
+        other => panic!("{other}"),
+    };
+    bytes.to_vec()
 }
 
 fn half(values: &[f32]) -> FlatSamples {

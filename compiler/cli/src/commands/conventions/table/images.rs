@@ -99,7 +99,7 @@ const FLOATS: &[Check] = &[
     level("lower right", LOWER_RIGHT, 1.0),
 ];
 
-/// 64 pixels of 128 samples; renderers find an environment of 1 with little noise.
+/// 64 pixels of 64 samples, all of which have one value but in spectral renderers.
 const fn level(name: &'static str, region: Region, value: f64) -> Check {
     check(name, Measure::Mean(region, Channel::All), Expected::Number(value), Tolerance::Share(5e-3))
 }
