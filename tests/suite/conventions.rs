@@ -74,3 +74,26 @@ fn renderers_hold_what_they_are_said_to_hold() {
         assert!(quarters.clone().count() == 18 && quarters.clone().all(|row| row["verdict"] == "holds"), "{renderer}");
     }
 }
+
+/// Images on surfaces and of the environment: where each renderer's way of reading and interpolating them shows.
+#[test]
+fn images_mean_the_same_in_every_renderer() {
+    for renderer in ["mitsuba-3", "luxcore", "cycles"] {
+        let env = Env::of_process();
+        let driver = driver(renderer).expect("a driver");
+        let found = status(driver, CachePaths::find(&env).as_ref(), &env);
+        if !matches!(found, Status::Installed { .. } | Status::External { .. }) {
+            skip("conventions of images", &format!("`ltsc renderers install {renderer}`"));
+            continue;
+        }
+        let only = "texture_interpolation,environment_image";
+        let ran = run(ltsc().args(["conventions", "--renderer", renderer, "--only", only, "--format", "json"]));
+        assert_eq!(ran.code, Some(0), "{renderer}: {}{}", ran.out, ran.err);
+        let document: serde_json::Value = serde_json::from_str(&ran.out).expect("JSON");
+        let rows = document["renderers"][0]["rows"].as_array().expect("rows");
+        // Two renderers mix the rows at the poles, which is stated.
+        let good = |row: &&serde_json::Value| row["verdict"] == "holds" || row["verdict"] == "approximate";
+        let broken: Vec<_> = rows.iter().filter(|row| !good(row)).collect();
+        assert!(rows.len() == 9 * 3 + 9 * 8 && broken.is_empty(), "{renderer}: {broken:?}");
+    }
+}

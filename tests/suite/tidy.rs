@@ -27,9 +27,9 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("contact", &["ir", "survey"]),
     ("lint", &["ir", "mesh", "survey", "contact", "diag"]),
     ("capability", &["ir", "mesh", "diag"]),
-    ("formats", &["ir", "mesh", "survey", "valid", "capability", "diag", "files"]),
+    ("formats", &["ir", "mesh", "image", "survey", "valid", "capability", "diag", "files"]),
     ("ledger", &["capability", "diag", "formats", "ir"]),
-    ("audit", &["capability", "diag", "files", "formats", "ir", "mesh"]),
+    ("audit", &["capability", "diag", "files", "formats", "image", "ir", "mesh"]),
     ("catalogue", &["ir", "survey"]),
     ("manual", &["capability", "diag", "eval", "formats", "ir", "lint", "syntax"]),
     (

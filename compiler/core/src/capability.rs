@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 
 use crate::diag::Origin;
 use crate::ir::{
-    Bsdf, Camera, Color, ColorOrTexture, Emission, Encoding, Film, Filter, ImageFormat, ImageInfo, Integrator,
+    Affine, Bsdf, Camera, Color, ColorOrTexture, Emission, Encoding, Film, Filter, ImageFormat, ImageInfo, Integrator,
     LightKind, LightSource, Material, Mesh, Sampler, Scene, Shape, Texture, Vec3, cross, dot, normalized, sub,
 };
 
@@ -69,6 +69,10 @@ pub enum Feature {
     Environment,
     /// An environment by an image.
     EnvironmentImage,
+    /// An image of the environment that is turned.
+    TurnedEnvironment,
+    /// An image of the environment with a tint that is not grey.
+    TintedEnvironment,
     /// A point light.
     PointLight,
     /// A spot light.
@@ -83,6 +87,8 @@ pub enum Feature {
     Texture,
     /// A texture whose image has colours.
     ColouredTexture,
+    /// A PNG or JPEG file whose numbers are decoded by the sRGB curve.
+    SrgbTexture,
     /// A PNG file whose numbers are linear.
     LinearTexture,
     /// A PNG file of 16 bits per channel.
@@ -174,6 +180,8 @@ impl Feature {
         Self::ColouredEmitter,
         Self::Environment,
         Self::EnvironmentImage,
+        Self::TurnedEnvironment,
+        Self::TintedEnvironment,
         Self::PointLight,
         Self::SpotLight,
         Self::SoftSpotLight,
@@ -181,6 +189,7 @@ impl Feature {
         Self::Spectrum,
         Self::Texture,
         Self::ColouredTexture,
+        Self::SrgbTexture,
         Self::LinearTexture,
         Self::DeepTexture,
         Self::JpegTexture,
@@ -240,6 +249,8 @@ impl Feature {
             Self::ColouredEmitter => "a coloured emitter",
             Self::Environment => "a constant environment",
             Self::EnvironmentImage => "an image of the environment",
+            Self::TurnedEnvironment => "a turned image of the environment",
+            Self::TintedEnvironment => "a tinted image of the environment",
             Self::PointLight => "a point light",
             Self::SpotLight => "a spot light",
             Self::SoftSpotLight => "a spot light with a soft edge",
@@ -247,6 +258,7 @@ impl Feature {
             Self::Spectrum => "a spectrum",
             Self::Texture => "a texture",
             Self::ColouredTexture => "a coloured texture",
+            Self::SrgbTexture => "a texture decoded by the sRGB curve",
             Self::LinearTexture => "a texture of linear numbers in PNG",
             Self::DeepTexture => "a texture of 16 bits in PNG",
             Self::JpegTexture => "a texture in JPEG",
@@ -376,8 +388,12 @@ pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
     for (place, light) in lights.entries() {
         let LightSource { name: _, kind } = light;
         let feature = match kind {
-            LightKind::Environment { radiance: ColorOrTexture::Color(_) } => Feature::Environment,
-            LightKind::Environment { radiance: ColorOrTexture::Texture(_) } => Feature::EnvironmentImage,
+            LightKind::Environment { radiance: ColorOrTexture::Color(_), tint: _, turn: _ } => Feature::Environment,
+            LightKind::Environment { radiance: ColorOrTexture::Texture(_), tint, turn } => {
+                asked.add_if(*turn != Affine::IDENTITY, Feature::TurnedEnvironment, place);
+                asked.add_if(!tint.is_grey(), Feature::TintedEnvironment, place);
+                Feature::EnvironmentImage
+            }
             LightKind::Point { position: _, intensity: _ } => Feature::PointLight,
             LightKind::Spot { position: _, target: _, intensity: _, angle, inner } => {
                 asked.add_if(inner < angle, Feature::SoftSpotLight, place);
@@ -485,10 +501,11 @@ fn has_spectrum(paint: &ColorOrTexture) -> bool {
 }
 
 fn ask_texture(asked: &mut Asked, texture: &Texture, place: &Origin) {
-    let Texture { name: _, file: _, image, encoding } = texture;
+    let Texture { name: _, file: _, image, encoding, peak: _ } = texture;
     let ImageInfo { format, width: _, height: _, channels, bits } = *image;
     asked.add(Feature::Texture, place);
     asked.add_if(channels >= 3, Feature::ColouredTexture, place);
+    asked.add_if(*encoding == Encoding::Srgb, Feature::SrgbTexture, place);
     let linear = *encoding == Encoding::Linear;
     match format {
         ImageFormat::Png => {
@@ -576,7 +593,6 @@ mod tests {
     use crate::diag::Sources;
     use crate::diag::Span;
     use crate::formats::shared::sample;
-    use crate::ir::Affine;
     use std::sync::Arc;
 
     fn asks(scene: &Scene) -> Vec<Feature> {
@@ -638,7 +654,7 @@ mod tests {
     fn lights_and_algorithms_are_asked_for() {
         let mut scene = sample::empty("s");
         let kinds = [
-            LightKind::Environment { radiance: Color::Grey(1.0).into() },
+            LightKind::environment(Color::Grey(1.0).into()),
             LightKind::Point { position: [0.0; 3], intensity: Color::Grey(1.0) },
             LightKind::Directional { direction: [0.0, 0.0, -1.0], irradiance: Color::Rgb([1.0, 2.0, 3.0]) },
             LightKind::Spot {

@@ -2,7 +2,7 @@
 //!
 //! Reading order: [`diag`] and [`files`] (what everything speaks), [`ir`] (the Scene in the middle), [`syntax`] (text to
 //! tree), [`format`] (text to its canonical form), [`eval`] (tree to Scene), [`mesh`] (generators, mesh files), [`npy`] (arrays of numbers),
-//! [`image`] (headers of image files), [`valid`] (what every emitter may rely on),
+//! [`image`] (image files), [`valid`] (what every emitter may rely on),
 //! [`survey`] (what lies where), [`contact`] (what lies against what), [`lint`] (portability), [`fix`] (findings to edits), [`similar`] (how near scenes are), [`lower`] (Scene to Scene), [`capability`] (what a target can say), [`formats`] (targets and
 //! importers), [`ledger`] (what became of everything), [`audit`] (what was written, read back and compared), [`pipeline`], the only file that knows all stages, [`catalogue`] (pages of scenes), and [`manual`], the pages made from the tables of them all.
 #![deny(clippy::wildcard_enum_match_arm)]

@@ -202,7 +202,7 @@ pub fn emit_alone(
 ) -> io::Result<()> {
     if target.shares_meshes {
         formats::write_meshes(scene, "meshes/", sink)?;
-        formats::write_textures(scene, "textures/", sink)?;
+        formats::write_textures(scene, &[target], "textures/", sink)?;
     }
     book(ledger, sink)?;
     (target.emit)(&Emission { scene, camera, meshes: "meshes/", textures: "textures/", choices }, sink)

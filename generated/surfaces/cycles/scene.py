@@ -12,7 +12,7 @@ path(max_depth=8)
 sampler(samples=64, seed=0)
 camera((0, -11, 4.5), x=(1, 0, 0), y=(0, 0.303203657276947, 0.952925780013262), z=(0, -0.952925780013262, 0.303203657276947), fov_x=35, near=0.001, far=1000000)
 
-texture("tiles", "../textures/tiles.png")
+texture("tiles", "images/tiles.exr", linear=True)
 material("floor", diffuse("tiles"))
 material("moss", diffuse((0.26481898105529794, 0.3193269043781024, 0.08609515978645849)))
 material("porcelain", principled((0.6172623199006583, 0.5474225715449483, 0.48474167428422016), metallic=0, roughness=0.31622776601683794, ior=1.5))

@@ -322,8 +322,11 @@ def emitter(name, mesh, material, radiance, matrix=None):
     dress(it, made)
 
 
-def environment(radiance):
-    """The same radiance from all directions, or that of a texture: its middle is +y, to the right of it lies +x, above it +z."""
+def environment(radiance, tint=(1, 1, 1), turn=None):
+    """The same radiance from all directions, or that of a texture: its middle is +y, to the right of it lies +x, above it +z.
+
+    A texture is multiplied by the tint, and turned by the matrix of three rows.
+    """
     world = bpy.context.scene.world
     world.use_nodes = True
     nodes = world.node_tree.nodes
@@ -332,18 +335,26 @@ def environment(radiance):
     if isinstance(radiance, str):
         image = nodes.new("ShaderNodeTexEnvironment")
         image.image = textures[radiance]
-        # Blender has +x in the middle: directions are turned by a quarter about z before it looks them up.
-        turn = nodes.new("ShaderNodeMapping")
-        turn.vector_type = "POINT"
-        turn.inputs["Rotation"].default_value = (0, 0, -math.pi / 2)
+        # Blender has +x in the middle: directions are turned by a quarter about z before it looks them up, and before that turned back.
+        lookup = mathutils.Matrix.Rotation(-math.pi / 2, 3, "Z")
+        if turn is not None:
+            lookup = lookup @ mathutils.Matrix([row[:3] for row in turn]).transposed()
+        mapping = nodes.new("ShaderNodeMapping")
+        mapping.vector_type = "POINT"
+        mapping.inputs["Rotation"].default_value = lookup.to_euler("XYZ")
         directions = nodes.new("ShaderNodeTexCoord")
+        strength = max(tint)
+        times = nodes.new("ShaderNodeVectorMath")
+        times.operation = "MULTIPLY"
+        times.inputs[1].default_value = [part / strength if strength > 0 else 0 for part in tint]
         for source, sink in [
-            (directions.outputs["Generated"], turn.inputs["Vector"]),
-            (turn.outputs["Vector"], image.inputs["Vector"]),
-            (image.outputs["Color"], background.inputs["Color"]),
+            (directions.outputs["Generated"], mapping.inputs["Vector"]),
+            (mapping.outputs["Vector"], image.inputs["Vector"]),
+            (image.outputs["Color"], times.inputs[0]),
+            (times.outputs["Vector"], background.inputs["Color"]),
         ]:
             world.node_tree.links.new(source, sink)
-        background.inputs["Strength"].default_value = 1
+        background.inputs["Strength"].default_value = strength
     else:
         strength = max(radiance)
         background.inputs["Color"].default_value = (*(part / strength if strength > 0 else 0 for part in radiance), 1)

@@ -42,6 +42,20 @@ pub enum ImageError {
         /// Width and height that were asked for.
         to: (usize, usize),
     },
+    /// Two images do not show the same window: its upper left pixel, and its width and height.
+    Windows {
+        /// Of the first.
+        a: ((i64, i64), (usize, usize)),
+        /// Of the second.
+        b: ((i64, i64), (usize, usize)),
+    },
+    /// Two images are so far apart that what holds both is too large.
+    Apart {
+        /// Its width.
+        width: u64,
+        /// Its height.
+        height: u64,
+    },
 }
 
 impl ImageError {
@@ -61,6 +75,10 @@ impl ImageError {
                 (width / 2).max(1),
                 (height / 2).max(1)
             ),
+            Self::Windows { .. } => "write both with one display window".to_owned(),
+            Self::Apart { .. } => {
+                "look at their data windows: one of them lies far outside of the display window".to_owned()
+            }
         }
     }
 }
@@ -79,6 +97,12 @@ impl fmt::Display for ImageError {
             Self::Reduction { from, to } => {
                 write!(f, "an image of {}x{} pixels cannot be reduced to {}x{}", from.0, from.1, to.0, to.1)
             }
+            Self::Windows { a: (at, a), b: (bt, b) } => write!(
+                f,
+                "the images show different windows: {}x{} pixels at ({}, {}), and {}x{} at ({}, {})",
+                a.0, a.1, at.0, at.1, b.0, b.1, bt.0, bt.1
+            ),
+            Self::Apart { width, height } => write!(f, "the images lie apart: {width}x{height} pixels hold both"),
         }
     }
 }
@@ -87,7 +111,12 @@ impl std::error::Error for ImageError {
     fn source(&self) -> Option<&(dyn std::error::Error + 'static)> {
         match self {
             Self::Io { source, .. } => Some(source),
-            Self::NotAFile { .. } | Self::Damaged { .. } | Self::Unwritable { .. } | Self::Reduction { .. } => None,
+            Self::NotAFile { .. }
+            | Self::Damaged { .. }
+            | Self::Unwritable { .. }
+            | Self::Reduction { .. }
+            | Self::Windows { .. }
+            | Self::Apart { .. } => None,
         }
     }
 }

@@ -2,22 +2,29 @@
 
 use std::io::Cursor;
 
-use exr::image::{AnyChannel, FlatSamples};
+use exr::math::Vec2;
 use exr::meta::MetaData;
+use exr::meta::attribute::SampleType;
 use exr::meta::header::Header;
-use exr::prelude::{ReadChannels, ReadLayers, read};
+use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, read};
 
 use super::attributes::{DAMAGED, scan};
-use super::{Attributes, Fault, Image, MAX_SIDE};
+use super::{Attributes, Fault, Image, MAX_SIDE, Window};
 
 /// No compression of the format packs better than Deflate, whose limit is 1032 to 1 (zlib's
 /// technical details); a header that claims more than this many times the file's size is wrong.
 const BEST_COMPRESSION: usize = 1100;
 /// Each block has at least a place in the offset table and a header of two numbers.
 const LEAST_BLOCK: usize = 16;
+/// How far primaries may be from those of Rec. 709 (red, green, blue, white): files round them.
+const SAME_PLACE: f32 = 2e-3;
+const REC_709: [[f32; 2]; 4] = [[0.64, 0.33], [0.3, 0.6], [0.15, 0.06], [0.3127, 0.329]];
+
+/// A picture, where its pixels lie, and the string attributes of its file.
+pub(super) type Decoded = (Image, Window, Attributes);
 
 /// Decodes a whole file.
-pub(super) fn decode(bytes: &[u8]) -> Result<(Image, Attributes), Fault> {
+pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
     let (raw, _) = scan(bytes)?;
     let attributes = raw
         .iter()
@@ -28,22 +35,18 @@ pub(super) fn decode(bytes: &[u8]) -> Result<(Image, Attributes), Fault> {
     for header in &meta.headers {
         check(header, bytes.len())?;
     }
-    // One thread: a pool would take the fault of a damaged block out of our hands, and decoding is
-    // short beside rendering.
-    let image = read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(decoder_fault)?;
-    let layer = &image.layer_data;
-    let (width, height) = (layer.size.width(), layer.size.height());
-    let channels = Channels::choose(&layer.channel_data.list)?;
-    let pixels = (0..width * height).map(|index| channels.pixel(index)).collect();
-    Ok((Image { width, height, pixels }, attributes))
+    let (part, names) = choose(&meta.headers)?;
+    let header = &meta.headers[part];
+    usable(header, &names)?;
+    let image = pixels(bytes, &names)?;
+    let shown = header.shared_attributes.display_window;
+    let corner = |at: Vec2<i32>| (i64::from(at.x()), i64::from(at.y()));
+    let window = Window {
+        at: corner(header.own_attributes.layer_position),
+        shown_at: corner(shown.position),
+        shown: (shown.size.x(), shown.size.y()),
+    };
+    Ok((image, window, attributes))
 }
 
 /// Refuses sizes that would take memory without reason.
@@ -64,78 +67,133 @@ fn check(header: &Header, file: usize) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The channels that hold the picture.
-enum Channels<'a> {
-    Colour([&'a FlatSamples; 3]),
-    Grey(&'a FlatSamples),
-}
-
-impl<'a> Channels<'a> {
-    /// Takes R, G and B; else the only layer with such channels inside (`Combined.R`); else Y.
-    fn choose(list: &'a [AnyChannel<FlatSamples>]) -> Result<Self, Fault> {
-        let names: Vec<String> = list.iter().map(|channel| lossy(channel.name.bytes())).collect();
-        let find = |wanted: &str| -> Result<Option<&'a FlatSamples>, Fault> {
-            let Some(index) = names.iter().position(|name| name == wanted) else { return Ok(None) };
-            let channel = &list[index];
-            if channel.sampling.x() != 1 || channel.sampling.y() != 1 {
-                return Err(Fault::new(
-                    format!("its channel `{wanted}` is stored at a lower resolution"),
-                    "write the image with full RGB channels, without chroma subsampling",
-                ));
+/// The part and the channels that hold the picture: R, G and B of the first part that has them; else the only layer with such
+/// channels inside, of several the one called `Combined`; else Y.
+fn choose(headers: &[Header]) -> Result<(usize, Vec<String>), Fault> {
+    let names: Vec<Vec<String>> = headers
+        .iter()
+        .map(|header| header.channels.list.iter().map(|channel| lossy(channel.name.bytes())).collect())
+        .collect();
+    let color = |layer: &str| ["R", "G", "B"].map(|name| format!("{layer}{name}"));
+    let has = |part: usize, layer: &str| color(layer).iter().all(|name| names[part].contains(name));
+    if let Some(part) = (0..headers.len()).find(|part| has(*part, "")) {
+        return Ok((part, color("").to_vec()));
+    }
+    let mut layers: Vec<(usize, &str)> = Vec::new();
+    for (part, names) in names.iter().enumerate() {
+        let inside = names.iter().filter_map(|name| name.strip_suffix('R')).filter(|layer| layer.ends_with('.'));
+        for layer in inside.filter(|layer| has(part, layer)) {
+            if !layers.iter().any(|(_, known)| *known == layer) {
+                layers.push((part, layer));
             }
-            if matches!(channel.sample_data, FlatSamples::U32(_)) {
-                return Err(Fault::new(
-                    format!("its channel `{wanted}` has whole numbers"),
-                    "write the image with half or float channels",
-                ));
-            }
-            Ok(Some(&channel.sample_data))
-        };
-        let colour = |prefix: &str| -> Result<Option<Self>, Fault> {
-            let found = ["R", "G", "B"].map(|name| find(&format!("{prefix}{name}")));
-            let [red, green, blue] = found;
-            Ok(match (red?, green?, blue?) {
-                (Some(red), Some(green), Some(blue)) => Some(Self::Colour([red, green, blue])),
-                _ => None,
-            })
-        };
-        if let Some(found) = colour("")? {
-            return Ok(found);
-        }
-        let mut inside = Vec::new();
-        for name in &names {
-            if let Some(prefix) = name.strip_suffix('R').filter(|prefix| prefix.ends_with('.')) {
-                inside.extend(colour(prefix)?);
-            }
-        }
-        if inside.len() == 1 {
-            return Ok(inside.remove(0));
-        }
-        let chroma = names.iter().any(|name| name == "RY" || name == "BY");
-        match find("Y")? {
-            Some(grey) if !chroma => Ok(Self::Grey(grey)),
-            _ => Err(Fault::new(
-                format!("it has no channels R, G, B or Y, only {}", names.join(", ")),
-                "write the colour of the image as channels R, G and B",
-            )),
         }
     }
-
-    fn pixel(&self, index: usize) -> [f32; 3] {
-        match self {
-            Self::Colour(channels) => channels.map(|channel| sample(channel, index)),
-            Self::Grey(channel) => [sample(channel, index); 3],
+    let beauty = |layer: &str| layer == "Combined." || layer.ends_with(".Combined.");
+    let combined: Vec<_> = layers.iter().filter(|(_, layer)| beauty(layer)).collect();
+    match (&combined[..], &layers[..]) {
+        ([(part, layer)], _) | ([], [(part, layer)]) => return Ok((*part, color(layer).to_vec())),
+        ([], []) => {}
+        _ => {
+            let all: Vec<&str> = layers.iter().map(|(_, layer)| layer.trim_end_matches('.')).collect();
+            return Err(Fault::new(
+                format!("it has several layers with colors: {}", all.join(", ")),
+                "write the layer that is meant as channels R, G and B",
+            ));
         }
+    }
+    if names.iter().flatten().any(|name| name == "RY" || name == "BY") {
+        return Err(Fault::new(
+            "it holds luminance and chroma instead of RGB",
+            "write the image with full RGB channels, without chroma subsampling",
+        ));
+    }
+    match names.iter().position(|names| names.iter().any(|name| name == "Y")) {
+        Some(part) => Ok((part, vec!["Y".to_owned()])),
+        None => Err(Fault::new(
+            format!("it has no channels R, G, B or Y, only {}", names.concat().join(", ")),
+            "write the color of the image as channels R, G and B",
+        )),
     }
 }
 
-fn sample(samples: &FlatSamples, index: usize) -> f32 {
-    match samples {
-        FlatSamples::F16(values) => values[index].to_f32(),
-        FlatSamples::F32(values) => values[index],
-        // Whole numbers were refused when the channels were chosen.
-        FlatSamples::U32(values) => values[index] as f32,
+/// Refuses channels and colours that would be taken for something else.
+fn usable(header: &Header, names: &[String]) -> Result<(), Fault> {
+    for channel in header.channels.list.iter().filter(|channel| names.contains(&lossy(channel.name.bytes()))) {
+        let name = lossy(channel.name.bytes());
+        if channel.sampling != Vec2(1, 1) {
+            return Err(Fault::new(
+                format!("its channel `{name}` is stored at a lower resolution"),
+                "write the image with full RGB channels, without chroma subsampling",
+            ));
+        }
+        if channel.sample_type == SampleType::U32 {
+            return Err(Fault::new(
+                format!("its channel `{name}` has whole numbers"),
+                "write the image with half or float channels",
+            ));
+        }
     }
+    if let Some(found) = header.shared_attributes.chromaticities {
+        let places = [found.red, found.green, found.blue, found.white].map(|place| [place.x(), place.y()]);
+        let off = |(a, b): (&f32, &f32)| (a - b).abs().is_nan() || (a - b).abs() > SAME_PLACE;
+        if places.as_flattened().iter().zip(REC_709.as_flattened()).any(off) {
+            return Err(Fault::new(
+                "its colors have other primaries than those of sRGB (attribute `chromaticities`)",
+                "convert it to linear sRGB: numbers of other primaries are other colors",
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// The data window of the first part that has these channels.
+fn pixels(bytes: &[u8], names: &[String]) -> Result<Image, Fault> {
+    // One thread: a pool would take the fault of a damaged block out of our hands, and decoding is
+    // short beside rendering.
+    let ([red, green, blue], grey) = match names {
+        [red, green, blue] => ([red, green, blue], false),
+        _ => ([&names[0]; 3], true),
+    };
+    let (width, height, pixels) = if grey {
+        read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .specific_channels()
+            .required(red.as_str())
+            .collect_pixels(
+                |size, _| (size.x(), size.y(), vec![[0.0_f32; 3]; size.area()]),
+                |(width, _, pixels), at, (grey,): (f32,)| pixels[at.y() * *width + at.x()] = [grey; 3],
+            )
+            .first_valid_layer()
+            .all_attributes()
+            .non_parallel()
+            .from_buffered(Cursor::new(bytes))
+            .map_err(decoder_fault)?
+            .layer_data
+            .channel_data
+            .pixels
+    } else {
+        read()
+            .no_deep_data()
+            .largest_resolution_level()
+            .specific_channels()
+            .required(red.as_str())
+            .required(green.as_str())
+            .required(blue.as_str())
+            .collect_pixels(
+                |size, _| (size.x(), size.y(), vec![[0.0_f32; 3]; size.area()]),
+                |(width, _, pixels), at, (r, g, b): (f32, f32, f32)| pixels[at.y() * *width + at.x()] = [r, g, b],
+            )
+            .first_valid_layer()
+            .all_attributes()
+            .non_parallel()
+            .from_buffered(Cursor::new(bytes))
+            .map_err(decoder_fault)?
+            .layer_data
+            .channel_data
+            .pixels
+    };
+    Ok(Image { width, height, pixels })
 }
 
 fn decoder_fault(error: exr::error::Error) -> Fault {

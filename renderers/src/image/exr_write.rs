@@ -138,7 +138,7 @@ mod tests {
         let mut image = picture();
         image.pixels[3] = [f32::NAN, f32::INFINITY, 0.0];
         let bytes = encode(&image, &Provenance::default()).expect("encode");
-        let (back, _) = decode(&bytes).map_err(|fault| fault.message).expect("decode");
+        let (back, _, _) = decode(&bytes).map_err(|fault| fault.message).expect("decode");
         assert_eq!(back.non_finite(), 1);
         assert!(back.pixels[3][0].is_nan());
     }

@@ -65,6 +65,14 @@ pub fn finite(pixel: &[f32; 3]) -> bool {
 /// # Errors
 /// Gives an error if the file cannot be read, is neither format, is damaged, or has no colour.
 pub fn read(path: &Path) -> Result<(Image, Attributes), ImageError> {
+    read_placed(path).map(|(image, _, attributes)| (image, attributes))
+}
+
+/// The same, and where its pixels lie.
+///
+/// # Errors
+/// As of [`read`].
+pub fn read_placed(path: &Path) -> Result<(Image, Window, Attributes), ImageError> {
     let fault = |source| ImageError::Io { path: path.to_owned(), source };
     let metadata = fs::metadata(path).map_err(fault)?;
     // A device or a pipe has no end that could be trusted.
@@ -73,6 +81,65 @@ pub fn read(path: &Path) -> Result<(Image, Attributes), ImageError> {
     }
     let bytes = fs::read(path).map_err(fault)?;
     decode(&bytes).map_err(|fault| fault.at(path))
+}
+
+/// Where the pixels of a file lie: an OpenEXR file may have fewer or more of them than it shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// The upper left pixel.
+    pub at: (i64, i64),
+    /// The upper left pixel of what is shown, the display window.
+    pub shown_at: (i64, i64),
+    /// Width and height of what is shown.
+    pub shown: (usize, usize),
+}
+
+impl Window {
+    /// That of an image that is shown whole.
+    fn whole(image: &Image) -> Self {
+        Self { at: (0, 0), shown_at: (0, 0), shown: (image.width, image.height) }
+    }
+
+    fn is_whole(&self, image: &Image) -> bool {
+        self.at == self.shown_at && self.shown == (image.width, image.height)
+    }
+}
+
+/// The most pixels that two images are filled up to.
+const MOST_PIXELS: u64 = 1 << 28;
+
+/// Two images laid over each other: both over all pixels that one of them has, black where it has none. Images that are shown
+/// whole are as they are.
+///
+/// # Errors
+/// If they do not show the same window, or the pixels would be too many.
+pub fn laid(a: (Image, Window), b: (Image, Window)) -> Result<(Image, Image), ImageError> {
+    let ((a, at), (b, bt)) = (a, b);
+    if at.is_whole(&a) && bt.is_whole(&b) {
+        return Ok((a, b));
+    }
+    if (at.shown_at, at.shown) != (bt.shown_at, bt.shown) {
+        return Err(ImageError::Windows { a: (at.shown_at, at.shown), b: (bt.shown_at, bt.shown) });
+    }
+    let end = |image: &Image, at: (i64, i64)| (at.0 + image.width as i64, at.1 + image.height as i64);
+    let low = (at.at.0.min(bt.at.0), at.at.1.min(bt.at.1));
+    let (ea, eb) = (end(&a, at.at), end(&b, bt.at));
+    let high = (ea.0.max(eb.0), ea.1.max(eb.1));
+    // Corners lie within 32 bits.
+    let (width, height) = (high.0.abs_diff(low.0), high.1.abs_diff(low.1));
+    if width.saturating_mul(height) > MOST_PIXELS {
+        return Err(ImageError::Apart { width, height });
+    }
+    let over = |image: &Image, at: (i64, i64)| {
+        let mut whole = Image::filled(width as usize, height as usize, [0.0; 3]);
+        let start = (at.0.abs_diff(low.0) as usize, at.1.abs_diff(low.1) as usize);
+        for (row, line) in image.pixels.chunks_exact(image.width).enumerate() {
+            let first = (start.1 + row) * whole.width + start.0;
+            whole.pixels[first..first + line.len()].copy_from_slice(line);
+        }
+        whole
+    };
+    Ok((over(&a, at.at), over(&b, bt.at)))
 }
 
 /// Averages blocks of pixels until the image is `width` by `height`; both sides must be divided by
@@ -124,11 +191,14 @@ impl Fault {
     }
 }
 
-fn decode(bytes: &[u8]) -> Result<(Image, Attributes), Fault> {
+fn decode(bytes: &[u8]) -> Result<exr_read::Decoded, Fault> {
     if bytes.starts_with(&attributes::MAGIC) {
         exr_read::decode(bytes)
     } else if bytes.starts_with(b"PF") || bytes.starts_with(b"Pf") {
-        pfm::decode(bytes).map(|image| (image, Attributes::new()))
+        pfm::decode(bytes).map(|image| {
+            let window = Window::whole(&image);
+            (image, window, Attributes::new())
+        })
     } else if bytes.is_empty() {
         Err(Fault::new("the file is empty", "was the program that wrote it interrupted?"))
     } else {
@@ -159,6 +229,32 @@ mod tests {
             let error = reduce(&image, width, height).expect_err("no whole factor");
             assert!(error.hint().contains("whole number"), "{error}");
         }
+    }
+
+    #[test]
+    fn images_are_laid_over_each_other_by_their_windows() {
+        let shown = ((0, 0), (4, 3));
+        let placed = |at| {
+            let image = Image::filled(2, 1, [1.0; 3]);
+            (image, Window { at, shown_at: shown.0, shown: shown.1 })
+        };
+        let red = |image: &Image| image.pixels.iter().map(|pixel| pixel[0]).collect::<Vec<_>>();
+        let (a, b) = laid(placed((0, 1)), placed((1, 1))).expect("the same window");
+        assert_eq!((a.width, a.height, red(&a), red(&b)), (3, 1, vec![1.0, 1.0, 0.0], vec![0.0, 1.0, 1.0]));
+        let (a, b) = laid(placed((-1, 0)), placed((-1, 0))).expect("the same window");
+        assert_eq!((a.width, &a), (2, &b));
+        // A picture that is shown whole is the same with black round it.
+        let mut whole = Image::filled(4, 3, [0.0; 3]);
+        whole.pixels[5] = [1.0; 3];
+        whole.pixels[6] = [1.0; 3];
+        let window = Window::whole(&whole);
+        let (a, b) = laid((whole, window), placed((1, 1))).expect("the same window");
+        assert_eq!(a, b);
+        let other = Window { shown: (5, 3), ..window };
+        let error = laid((Image::filled(2, 1, [1.0; 3]), other), placed((0, 0))).expect_err("another window");
+        assert!(error.to_string().contains("5x3") && !error.hint().is_empty(), "{error}");
+        let far = (i64::from(i32::MAX), i64::from(i32::MIN));
+        assert!(matches!(laid(placed((0, 0)), placed(far)), Err(ImageError::Apart { .. })));
     }
 
     #[test]

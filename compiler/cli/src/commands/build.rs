@@ -225,7 +225,9 @@ fn write(
     }
     if shares {
         formats::write_meshes(scene, "meshes/", &mut sink).map_err(failed)?;
-        formats::write_textures(scene, "textures/", &mut sink).map_err(failed)?;
+        // What one target reads as it is stays there for the others, whichever are written now.
+        let all: Vec<&Target> = formats::TARGETS.iter().collect();
+        formats::write_textures(scene, &all, "textures/", &mut sink).map_err(failed)?;
     }
     for (target, ledger) in targets.iter().zip(&ready.ledgers) {
         let mut inner = sink.below(target.name);

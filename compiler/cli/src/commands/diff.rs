@@ -4,7 +4,7 @@ use std::path::Path;
 
 use ltsc_core::files::Sink;
 use ltsc_render::compare::{CompareOptions, Comparison, compare, to_text, write_difference_png};
-use ltsc_render::image::{Image, ImageError, read, reduce};
+use ltsc_render::image::{Image, ImageError, laid, read_placed, reduce};
 use serde_json::json;
 
 use crate::args::{Diff, Format};
@@ -16,7 +16,8 @@ pub fn run(command: &Diff) -> Result<Exit, Failure> {
     if command.tolerance.is_some_and(|tolerance| tolerance < 0.0 || !tolerance.is_finite()) {
         return Err(Failure::new(Exit::Usage, "the tolerance is a share of at least 0, for example 0.02"));
     }
-    let (a, b) = (load(&command.a)?, load(&command.b)?);
+    let placed = |path| read_placed(path).map(|(image, window, _)| (image, window)).map_err(|error| unreadable(&error));
+    let (a, b) = laid(placed(&command.a)?, placed(&command.b)?).map_err(|error| unreadable(&error))?;
     let (a, b) = if command.reduce { same_size(a, b)? } else { (a, b) };
     let options = CompareOptions {
         tiles: command.tiles as usize,
@@ -50,10 +51,6 @@ pub fn run(command: &Diff) -> Result<Exit, Failure> {
 
 fn unreadable(error: &ImageError) -> Failure {
     Failure::new(Exit::Input, error.to_string()).help(error.hint())
-}
-
-fn load(path: &Path) -> Result<Image, Failure> {
-    read(path).map(|(image, _)| image).map_err(|error| unreadable(&error))
 }
 
 /// The larger image averaged down to the size of the smaller one.

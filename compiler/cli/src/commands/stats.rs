@@ -106,7 +106,7 @@ fn emitted(scene: Scene, targets: &[&'static Target], choices: &Choices) -> Resu
     let camera = pipeline::camera(&scene, None).ok_or_else(|| fault("lost its camera"))?;
     let mut meshes = Counter::default();
     formats::write_meshes(&scene, "meshes/", &mut meshes).map_err(|error| fault(&error.to_string()))?;
-    formats::write_textures(&scene, "textures/", &mut meshes).map_err(|error| fault(&error.to_string()))?;
+    formats::write_textures(&scene, targets, "textures/", &mut meshes).map_err(|error| fault(&error.to_string()))?;
     let mut bytes = vec![meshes.0];
     for target in targets {
         let mut own = Counter::default();

@@ -5,6 +5,7 @@ use super::{Asked, Found, TEXT, inexact, unsupported};
 use crate::capability::{Feature, Support, of_texture};
 use crate::formats::Target;
 use crate::formats::shared::camera;
+use crate::formats::shared::images::Use;
 use crate::formats::shared::reading::{Light, Reading, Rgb, View};
 use crate::ir::{
     Axes, Camera, ColorOrTexture, Film, Filter, Integrator, LightKind, LightSource, Vec3, length, normalized, sub,
@@ -116,8 +117,8 @@ fn view_differs(asked: &Asked<'_>, view: &View, found: &mut Found) {
 /// The feature of a light.
 fn feature(kind: &LightKind) -> Feature {
     match kind {
-        LightKind::Environment { radiance: ColorOrTexture::Color(_) } => Feature::Environment,
-        LightKind::Environment { radiance: ColorOrTexture::Texture(_) } => Feature::EnvironmentImage,
+        LightKind::Environment { radiance: ColorOrTexture::Color(_), tint: _, turn: _ } => Feature::Environment,
+        LightKind::Environment { radiance: ColorOrTexture::Texture(_), tint: _, turn: _ } => Feature::EnvironmentImage,
         LightKind::Point { position: _, intensity: _ } => Feature::PointLight,
         LightKind::Spot { position: _, target: _, intensity: _, angle: _, inner: _ } => Feature::SpotLight,
         LightKind::Directional { direction: _, irradiance: _ } => Feature::DirectionalLight,
@@ -148,7 +149,7 @@ fn lights(asked: &Asked<'_>, target: &Target, said: &[Light], found: &mut Found)
         let image = kind.texture().into_iter().flat_map(|texture| of_texture(&asked.scene.textures[texture]));
         let stands_in =
             unsupported(support) || image.into_iter().any(|feature| unsupported(&(target.supports)(feature)));
-        if let Some(what) = light_differs(asked, kind, light, stands_in) {
+        if let Some(what) = light_differs(asked, target, kind, light, stands_in) {
             found.differs(format!("the light `{name}` {what}"));
         }
     }
@@ -159,7 +160,13 @@ fn strength_differs(wanted: Rgb, said: Rgb) -> Option<String> {
     wanted.into_iter().zip(said).any(far).then(|| format!("has the strength {said:?} instead of {wanted:?}"))
 }
 
-fn light_differs(asked: &Asked<'_>, kind: &LightKind, light: &Light, stands_in: bool) -> Option<String> {
+fn light_differs(
+    asked: &Asked<'_>,
+    target: &Target,
+    kind: &LightKind,
+    light: &Light,
+    stands_in: bool,
+) -> Option<String> {
     let place = |wanted: &Vec3, said: &Vec3| {
         far(*wanted, *said, asked.slack()).then(|| format!("is at {said:?} instead of {wanted:?}"))
     };
@@ -168,8 +175,11 @@ fn light_differs(asked: &Asked<'_>, kind: &LightKind, light: &Light, stands_in: 
         far(wanted, *said, TEXT).then(|| format!("goes along {said:?} instead of {wanted:?}"))
     };
     match (kind, light) {
-        (LightKind::Environment { radiance }, Light::Environment { radiance: said }) => {
-            super::walk::paint_differs(asked, radiance, said, stands_in, Some(true))
+        (LightKind::Environment { radiance, tint, turn }, Light::Environment { radiance: said, turn: to }) => {
+            let off = turn.rows.as_flattened().iter().zip(to.rows.as_flattened()).any(|(a, b)| off(*a, *b, TEXT));
+            let purpose = Use::Sky(tint.rgb());
+            super::walk::paint_differs(asked, radiance, said, stands_in, (target.images, purpose))
+                .or_else(|| off.then(|| format!("is turned by {to:?} instead of {turn:?}")))
         }
         (LightKind::Point { position, intensity }, Light::Point { position: at, intensity: said }) => {
             place(position, at).or_else(|| strength_differs(intensity.rgb(), *said))
@@ -188,7 +198,7 @@ fn light_differs(asked: &Asked<'_>, kind: &LightKind, light: &Light, stands_in: 
             axis(*direction, to).or_else(|| strength_differs(irradiance.rgb(), *said))
         }
         (
-            LightKind::Environment { radiance: _ }
+            LightKind::Environment { radiance: _, tint: _, turn: _ }
             | LightKind::Point { position: _, intensity: _ }
             | LightKind::Spot { position: _, target: _, intensity: _, angle: _, inner: _ }
             | LightKind::Directional { direction: _, irradiance: _ },

@@ -8,9 +8,7 @@ use super::*;
 use crate::files::{MemoryFiles, MemorySink};
 use crate::formats::shared::sample;
 use crate::formats::{self, Choices, Emission as Emitting, TARGETS};
-use crate::ir::{
-    Color, Encoding, Film, Filter, ImageFile, ImageFormat, ImageInfo, Integrator, LightKind, LightSource, Texture,
-};
+use crate::ir::{Color, Encoding, Film, Filter, ImageFormat, Integrator, LightKind, LightSource};
 use crate::valid::{Valid, validate};
 
 /// All targets but the one that only tests have.
@@ -28,7 +26,7 @@ fn written(scene: &Valid, target: &Target) -> BTreeMap<String, Vec<u8>> {
 fn written_by(scene: &Valid, target: &Target, choices: &Choices) -> BTreeMap<String, Vec<u8>> {
     let mut sink = MemorySink::default();
     formats::write_meshes(scene, "meshes/", &mut sink).expect("memory takes all");
-    formats::write_textures(scene, "textures/", &mut sink).expect("memory takes all");
+    formats::write_textures(scene, &[target], "textures/", &mut sink).expect("memory takes all");
     let mut own = MemorySink::default();
     let emission = Emitting { scene, camera: camera(scene), meshes: "../meshes/", textures: "../textures/", choices };
     (target.emit)(&emission, &mut own).expect("memory takes all");
@@ -90,7 +88,7 @@ fn full() -> Scene {
         scene.shapes[shape].transform = Affine::rotation([0.0, 0.6, 0.8], 20.0);
     }
     let lights = [
-        LightKind::Environment { radiance: Color::Rgb([0.1, 0.2, 0.3]).into() },
+        LightKind::environment(Color::Rgb([0.1, 0.2, 0.3]).into()),
         LightKind::Point { position: [1.0, 2.0, 3.0], intensity: Color::Rgb([4.0, 5.0, 6.0]) },
         LightKind::Directional { direction: [0.48, 0.6, -0.64], irradiance: Color::Grey(2.0) },
         LightKind::Spot {
@@ -193,10 +191,7 @@ fn textures_are_read_back_where_they_can_be_and_a_grey_stands_for_them_elsewhere
     ];
     for (format, encoding) in formats {
         let mut scene = sample::room();
-        let image =
-            ImageInfo { format, width: 1, height: 1, channels: 3, bits: if format.is_float() { 32 } else { 8 } };
-        let texture = Texture { name: "tiles".to_owned(), file: ImageFile::new(b"pixels"), image, encoding };
-        let texture = scene.textures.push(texture, Origin::Made);
+        let texture = scene.textures.push(sample::image("tiles", format, encoding), Origin::Made);
         let paint = || ColorOrTexture::Texture(texture);
         let bsdfs = [
             Bsdf::Diffuse { reflectance: paint() },
@@ -218,13 +213,24 @@ fn textures_are_read_back_where_they_can_be_and_a_grey_stands_for_them_elsewhere
 fn images_of_the_environment_are_read_back() {
     for format in [ImageFormat::Exr, ImageFormat::Hdr, ImageFormat::Pfm] {
         let mut scene = sample::room();
-        let image = ImageInfo { format, width: 2, height: 1, channels: 3, bits: 32 };
-        let file = ImageFile::new(b"pixels");
-        let texture = Texture { name: "sky".to_owned(), file, image, encoding: Encoding::Linear };
-        let texture = scene.textures.push(texture, Origin::Made);
-        let kind = LightKind::Environment { radiance: crate::ir::ColorOrTexture::Texture(texture) };
-        scene.lights.push(LightSource { name: "sky".to_owned(), kind }, Origin::Made);
-        clean(scene);
+        let texture = scene.textures.push(sample::image("sky", format, Encoding::Linear), Origin::Made);
+        let radiance = crate::ir::ColorOrTexture::Texture(texture);
+        let turned = LightKind::Environment {
+            radiance: radiance.clone(),
+            tint: Color::Rgb([0.5, 3.0, 1.0]),
+            turn: Affine::rotation(crate::ir::normalized([1.0, 2.0, 3.0]).expect("an axis"), 70.0),
+        };
+        for kind in [LightKind::environment(radiance), turned] {
+            let mut scene = scene.clone();
+            scene.lights.push(LightSource { name: "sky".to_owned(), kind }, Origin::Made);
+            // The image of the sky colours a surface too.
+            let bsdf = Bsdf::Diffuse { reflectance: crate::ir::ColorOrTexture::Texture(texture) };
+            let mesh = crate::mesh::sphere(5.0, [0.0, 0.0, 50.0], 8, 4).expect("a good sphere").into_mesh("ball");
+            let mesh = scene.meshes.push(mesh, Origin::Made);
+            let material = sample::material(&mut scene, "painted", bsdf);
+            sample::shape(&mut scene, "painted", mesh, material, None);
+            clean(scene);
+        }
     }
 }
 

@@ -8,6 +8,7 @@ use super::measure::{Pair, area_factor, difference, finer_difference};
 use super::{Asked, Audit, Emits, Found, Lost, Measure, Meshes, emits, inexact, measured, unsupported};
 use crate::capability::{self, Feature};
 use crate::formats::Target;
+use crate::formats::shared::images::{self, Forms, Use as Purpose};
 use crate::formats::shared::reading::{Front, Item, MeshPlace, Model, Paint, Picture, Reading, Rgb, Use};
 use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Emission, Instance, Shape, length, sub};
 
@@ -416,7 +417,9 @@ impl<'w> Walk<'w, '_, '_> {
                     .any(|feature| unsupported(&(self.target.supports)(feature)));
                 (!unread).then(|| format!("does not show the image `{}`", texture.name))
             }
-            (Some(texture), Some(paint)) => same_image(self.asked, texture, paint, None),
+            (Some(texture), Some(paint)) => {
+                same_image(self.asked, texture, paint, (self.target.images, Purpose::Surface))
+            }
         }
     }
 }
@@ -450,15 +453,15 @@ fn near(a: [f64; 3], b: [f64; 3], by: f64) -> bool {
 }
 
 /// What differs between an image of the scene and that of a file: its name, and how it is decoded. That the images
-/// themselves are the scene's follows from their being written as they are.
+/// themselves are the scene's follows from their being written as they are, or from the tests of the other forms.
 fn same_image(
     asked: &Asked<'_>,
     texture: crate::ir::Handle<crate::ir::Texture>,
     paint: &Paint,
-    linear: Option<bool>,
+    (forms, purpose): (Forms, Purpose),
 ) -> Option<String> {
     let Paint::Image { file, linear: said, factor: _ } = paint else { return Some("shows no image".to_owned()) };
-    let wanted = &crate::formats::texture_files(asked.scene)[texture.index()];
+    let wanted = images::file_name(asked.scene, texture, purpose, forms).unwrap_or_default();
     let texture = &asked.scene.textures[texture];
     match file {
         Picture::File(path) if path.name() != wanted => {
@@ -469,10 +472,10 @@ fn same_image(
         }
         Picture::File(_) | Picture::Here(_) => {}
     }
-    let wanted = linear.unwrap_or(texture.encoding == crate::ir::Encoding::Linear);
+    let wanted = forms(texture, purpose).encoding(texture) == crate::ir::Encoding::Linear;
     // Images of floats are linear whatever is said of them.
-    (!texture.image.format.is_float() && *said != wanted)
-        .then(|| format!("decodes the image `{}` otherwise", texture.name))
+    let floats = texture.image.format.is_float() || purpose != Purpose::Surface;
+    (!floats && *said != wanted).then(|| format!("decodes the image `{}` otherwise", texture.name))
 }
 
 /// What differs between a paint of the scene and that of a file.
@@ -481,7 +484,7 @@ pub(super) fn paint_differs(
     wanted: &ColorOrTexture,
     said: &Paint,
     stands_in: bool,
-    linear: Option<bool>,
+    (forms, purpose): (Forms, Purpose),
 ) -> Option<String> {
     let color = |wanted: &Color, said: Rgb| {
         let wanted = wanted.rgb();
@@ -494,8 +497,15 @@ pub(super) fn paint_differs(
         (ColorOrTexture::Texture(_), Paint::Color(_)) => Some("shows no image".to_owned()),
         (ColorOrTexture::Color(_), Paint::Image { file: _, linear: _, factor: _ }) => Some("shows an image".to_owned()),
         (ColorOrTexture::Texture(texture), Paint::Image { file: _, linear: _, factor }) => {
-            let strong = (*factor != [1.0; 3]).then(|| format!("shows its image times {factor:?}"));
-            strong.or_else(|| same_image(asked, *texture, said, linear))
+            let tint = match purpose {
+                Purpose::Surface => [1.0; 3],
+                Purpose::Sky(tint) => tint,
+            };
+            // A part of the tint may be in the image itself.
+            let inside = forms(&asked.scene.textures[*texture], purpose).factor();
+            let far = |at: usize| off(factor[at] * inside[at], tint[at], super::TEXT * tint[at]);
+            let strong = (0..3).any(far).then(|| format!("shows its image times {factor:?} instead of {tint:?}"));
+            strong.or_else(|| same_image(asked, *texture, said, (forms, purpose)))
         }
     }
 }

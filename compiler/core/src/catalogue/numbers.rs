@@ -153,7 +153,8 @@ fn emitters(scene: &Scene, survey: &Survey<'_>) -> Vec<Emitter> {
             LightKind::Spot { position: _, target: _, intensity: _, angle, inner } => {
                 Some(strength.map(|part| part * cone(*angle, *inner)))
             }
-            LightKind::Environment { radiance: _ } | LightKind::Directional { direction: _, irradiance: _ } => None,
+            LightKind::Environment { radiance: _, tint: _, turn: _ }
+            | LightKind::Directional { direction: _, irradiance: _ } => None,
         };
         add(&light.name, light.kind.word(), strength, 0.0, power);
     }

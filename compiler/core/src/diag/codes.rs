@@ -63,6 +63,10 @@ pub const CODES: &[Code] = &[
         "A list has no element at this index.\nElements are counted from 0, and a range contains both its ends.",
     ),
     code(
+        "image-limit",
+        "An image has more than 2^27 pixels, 134 million.\nA header of a few bytes can claim any size; `--limit pixels=N`, or `[limits]` in ltsc.toml, raises the limit.",
+    ),
+    code(
         "instance-limit",
         "A scene has more than 10 million shapes and instances.\nThose in a group count as often as the group is placed; `--limit instances=N`, or `[limits]` in ltsc.toml, raises the limit.",
     ),
@@ -87,7 +91,7 @@ pub const CODES: &[Code] = &[
     ),
     code(
         "invalid-image-file",
-        "An image file is malformed, cut off, or of a kind that not every renderer reads alike.\nPNG, JPEG, OpenEXR, PFM and Radiance HDR are read; the label says where in the file.",
+        "An image file is malformed, cut off, or of a kind that no two renderers read alike.\nPNG, JPEG, OpenEXR, PFM and Radiance HDR are read; the label says where in the file. A number that is not finite is an error too:\nMitsuba spreads it over the image, LuxCore refuses the file, others take 0. What can be made plain (layers and windows of OpenEXR,\nother primaries, alpha, negative numbers) is, and a loss says how.",
     ),
     code("invalid-integrator", "A path has no segments."),
     code(

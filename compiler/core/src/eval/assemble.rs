@@ -337,9 +337,8 @@ fn place_lights(placed: &mut Arena<LightSource>, lights: &[Lit], instances: &[Pl
                 inner: *inner,
             },
             // Groups hold neither; those of the scene are not moved.
-            LightKind::Environment { radiance: _ } | LightKind::Directional { direction: _, irradiance: _ } => {
-                kind.clone()
-            }
+            LightKind::Environment { radiance: _, tint: _, turn: _ }
+            | LightKind::Directional { direction: _, irradiance: _ } => kind.clone(),
         };
         placed.push(LightSource { name: joined(name), kind }, *span);
     }

@@ -486,6 +486,7 @@ impl Interpreter<'_> {
         wanted: Option<Family>,
     ) -> Result<Value, Reported> {
         let family = match ty {
+            Ty::Turnable => wanted.filter(|family| matches!(family, Family::Group | Family::Light)),
             Ty::Placeable => wanted.filter(|family| *family == Family::Group),
             Ty::Mesh => Some(Family::Mesh),
             Ty::Material => Some(Family::Material),
@@ -504,10 +505,10 @@ impl Interpreter<'_> {
             .label(kind);
         self.report(match refusal {
             Refusal::Silent => return Err(Reported),
-            Refusal::Type if light && matches!(ty, Ty::Mesh | Ty::Placeable) => Finding::error(
+            Refusal::Type if light && matches!(ty, Ty::Mesh | Ty::Placeable | Ty::Turnable) => Finding::error(
                 "type-mismatch",
                 expr.span,
-                "stages move meshes and groups, not lights",
+                "stages move meshes and groups, not lights; an environment can be turned by `rotate`",
             )
             .label(kind)
             .help("give the light the position or direction that it is to have, or put a point light into a group"),
@@ -564,7 +565,7 @@ fn type_help(ty: Ty, found: &Value) -> Option<String> {
         (Ty::Vec3, Value::Vector(_)) => "write three numbers: `(x, y, z)`",
         (Ty::Color, Value::String(_)) => "write `srgb(\"#rrggbb\")`",
         (Ty::Mesh, Value::Group(_)) => "a group is placed by `instance name = ...`",
-        (Ty::Mesh | Ty::Placeable | Ty::Material, Value::Function(_)) => {
+        (Ty::Mesh | Ty::Placeable | Ty::Turnable | Ty::Material, Value::Function(_)) => {
             "call it: write `(...)` with its arguments behind it"
         }
         (Ty::Filter, Value::String(_)) => "write for example `gaussian()`",

@@ -275,7 +275,7 @@ impl Interpreter<'_> {
     fn light(&mut self, module: &mut Module, name: Option<&Name>, kind: &LightKind, with: Option<&Expr>, span: Span) {
         let word = kind.word();
         let everywhere = match kind {
-            LightKind::Environment { radiance: _ } => Some("it shines from everywhere"),
+            LightKind::Environment { radiance: _, tint: _, turn: _ } => Some("it shines from everywhere"),
             LightKind::Directional { direction: _, irradiance: _ } => Some("it shines from infinitely far away"),
             LightKind::Point { position: _, intensity: _ }
             | LightKind::Spot { position: _, target: _, intensity: _, angle: _, inner: _ } => None,
@@ -307,7 +307,7 @@ impl Interpreter<'_> {
             );
             return;
         }
-        let sky = |light: &&Lit| matches!(light.kind, LightKind::Environment { radiance: _ });
+        let sky = |light: &&Lit| matches!(light.kind, LightKind::Environment { radiance: _, tint: _, turn: _ });
         if let Some(first) = module.lights.iter().find(sky).filter(|_| matches!(kind, LightKind::Environment { .. })) {
             self.findings.push(
                 Finding::error("second-environment", span, "there are two environments")

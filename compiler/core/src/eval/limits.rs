@@ -11,6 +11,8 @@ pub struct Limits {
     pub file: u64,
     /// Elements of a list.
     pub list: usize,
+    /// Pixels of an image.
+    pub pixels: u64,
     /// Calls and iterations.
     pub steps: u64,
     /// Triangles that generators and stages of a scene make together.
@@ -25,6 +27,7 @@ impl Default for Limits {
             text: 64 << 20,
             file: 16 << 30,
             list: 1_000_000,
+            pixels: 1 << 27,
             steps: 10_000_000,
             triangles: 50_000_000,
             instances: 10_000_000,
@@ -68,6 +71,13 @@ impl Limit {
             most: u32::MAX as u64,
             get: |limits| limits.list as u64,
             set: |limits, value| limits.list = value as usize,
+        },
+        Self {
+            name: "pixels",
+            what: "pixels of an image that a scene names; reading one takes up to 20 bytes for each",
+            most: 1 << 32,
+            get: |limits| limits.pixels,
+            set: |limits, value| limits.pixels = value,
         },
         Self {
             name: "steps",

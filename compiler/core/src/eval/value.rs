@@ -169,6 +169,8 @@ pub enum Ty {
     Mesh,
     /// A mesh or a group.
     Placeable,
+    /// A mesh, a group or an environment.
+    Turnable,
     /// A material.
     Material,
     /// A reconstruction filter.
@@ -205,6 +207,7 @@ impl Ty {
             Self::NumberOrVector => "a number or a vector",
             Self::Mesh => "a mesh",
             Self::Placeable => "a mesh or a group",
+            Self::Turnable => "a mesh, a group or an environment",
             Self::Material => "a material",
             Self::Filter => "a filter",
             Self::Height => "a function of two numbers",
@@ -260,8 +263,11 @@ impl Ty {
                 }
             }
             (Self::List, Value::List(items)) => Ok(Value::List(items)),
-            (Self::Mesh | Self::Placeable, Value::Mesh(mesh)) => Ok(Value::Mesh(mesh)),
-            (Self::Placeable, Value::Group(group)) => Ok(Value::Group(group)),
+            (Self::Mesh | Self::Placeable | Self::Turnable, Value::Mesh(mesh)) => Ok(Value::Mesh(mesh)),
+            (Self::Placeable | Self::Turnable, Value::Group(group)) => Ok(Value::Group(group)),
+            (Self::Turnable, Value::Light(light)) if matches!(*light, LightKind::Environment { .. }) => {
+                Ok(Value::Light(light))
+            }
             (Self::Material, Value::Material(material)) => Ok(Value::Material(material)),
             (Self::Filter, Value::Filter(filter)) => Ok(Value::Filter(filter)),
             (Self::Height, Value::Function(function)) => {

@@ -18,6 +18,7 @@ use crate::capability::{Bound, Feature, Support};
 use crate::files::{Sink, VPath};
 use crate::ir::{Camera, Handle, Scene};
 use crate::valid::Valid;
+use shared::images::Forms;
 use shared::reading::Reading;
 use shared::source::Source;
 
@@ -41,6 +42,8 @@ pub struct Target {
     pub supports: fn(Feature) -> Support,
     /// The formula by which the Scene's numbers become the target's, where they are not the same numbers.
     pub conversions: &'static [(Feature, &'static str)],
+    /// What it does with an image: the scene's own file, or one in another form in its own folder.
+    pub images: Forms,
     /// How far off it is for one scene, where that can be computed for what it does not say exactly.
     pub bound: fn(Feature, &Scene) -> Option<Bound>,
     /// What it does only where it is asked for.
@@ -103,6 +106,12 @@ const RGB_ONLY: Support = Support::approximate(
      largest channel (computed for reflectances whose smallest channel is a fifth of the largest)",
 );
 
+/// What targets answer to a coloured tint of an environment for which they have no word but a number.
+const TINTED: Support = Support::approximate(
+    "it has a number as a factor of the image and no colour: the image is written anew, times the colour, as floats in OpenEXR",
+    "6e-8 of each number: single precision",
+);
+
 /// What every target answers to several cameras.
 const ONE_CAMERA: Support = Support::approximate(
     "a folder of a target holds one camera",
@@ -137,10 +146,16 @@ pub fn texture_files(scene: &Scene) -> Vec<String> {
     stems.into_iter().zip(endings).map(|(stem, ending)| format!("{stem}.{ending}")).collect()
 }
 
-/// Writes the images of the textures as they are, as [`texture_files`] names them, below `folder` (with a final `/`, empty
+/// Writes the images that one of `targets` has as they are, as [`texture_files`] names them, below `folder` (with a final `/`, empty
 /// for none).
-pub fn write_textures(scene: &Scene, folder: &str, sink: &mut dyn Sink) -> io::Result<()> {
-    for (texture, file) in scene.textures.values().zip(texture_files(scene)) {
+pub fn write_textures(scene: &Scene, targets: &[&Target], folder: &str, sink: &mut dyn Sink) -> io::Result<()> {
+    let shared: Vec<Vec<bool>> = targets
+        .iter()
+        .filter(|target| target.shares_meshes)
+        .map(|target| shared::images::shared(scene, target.images))
+        .collect();
+    let files = scene.textures.values().zip(texture_files(scene)).enumerate();
+    for (_, (texture, file)) in files.filter(|(at, _)| shared.iter().any(|used| used[*at])) {
         sink.file(&format!("{folder}{file}"), &mut |out| out.write_all(&texture.file))?;
     }
     Ok(())

@@ -400,7 +400,7 @@ fn seeds_and_samples_are_where_they_can_be_replaced() {
 pub(super) fn lit() -> Scene {
     let mut scene = sample::room();
     let kinds = [
-        LightKind::Environment { radiance: Color::Rgb([1.0, 2.0, 0.5]).into() },
+        LightKind::environment(Color::Rgb([1.0, 2.0, 0.5]).into()),
         LightKind::Point { position: [1.0, -2.0, 3.5], intensity: Color::Grey(40.0) },
         LightKind::Directional { direction: [0.6, 0.0, -0.8], irradiance: Color::Rgb([3.0, 1.5, 0.0]) },
         LightKind::Spot {

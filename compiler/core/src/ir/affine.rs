@@ -139,6 +139,13 @@ impl Affine {
             && close(dot(c, c) - square)
     }
 
+    /// Whether this is a rotation about the origin and nothing else, to 1e-9.
+    pub fn is_rotation(&self) -> bool {
+        let [a, b, c] = self.linear();
+        let still = self.rows.iter().all(|row| row[3] == 0.0);
+        still && self.is_similarity() && (dot(a, a) - 1.0).abs() <= 1e-9 && dot(a, super::cross(b, c)) > 0.0
+    }
+
     fn linear(&self) -> [Vec3; 3] {
         self.rows.map(|r| [r[0], r[1], r[2]])
     }

@@ -1,6 +1,6 @@
 //! Lights without a surface: the environment, points, spots, and light from one direction.
 
-use super::{Color, ColorOrTexture, Handle, Texture, Vec3};
+use super::{Affine, Color, ColorOrTexture, Handle, Texture, Vec3};
 
 /// A light that is no surface. Emitters with a surface are [`super::Shape`]s with an emission.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,7 +15,7 @@ pub struct LightSource {
 ///
 /// | | Mitsuba | PBRT v3, v4 | LuxCore | glTF |
 /// |---|---|---|---|---|
-/// | `Environment` | `constant`, `radiance`; `envmap` | `infinite`, `L`; v3 `mapname` | `constantinfinite`, `color`; `infinite` | cannot be said |
+/// | `Environment` | `constant`, `radiance`; `envmap` | `infinite`, `L`; v3 `mapname`, v4 `filename` | `constantinfinite`, `color`; `infinite` | cannot be said |
 /// | `Point` | `point`, `position`, `intensity` | `point`, `from`, `I` | `point`, `position`, `color`, gain 4 pi | `KHR_lights_punctual` `point`, the node's place |
 /// | `Spot` | `spot`, `cutoff_angle`, `beam_width` | `spot`, `coneangle`, `conedeltaangle` | `spot` | `KHR_lights_punctual` `spot` |
 /// | `Directional` | `directional`, `direction`, `irradiance` | `distant`, `from` 0 0 0, `to` the direction, `L` | `sharpdistant`, `direction`, `color` | `KHR_lights_punctual` `directional`, along the node's -z |
@@ -26,6 +26,10 @@ pub enum LightKind {
         /// Radiance in W/(m2 sr), >= 0 per channel. An image holds all directions: its middle is +y, the right edge and the left
         /// one are -y, a quarter of the width to the right of the middle is +x, its upper edge is +z.
         radiance: ColorOrTexture,
+        /// A factor of an image, >= 0 per channel; 1 for a color, which says its own strength.
+        tint: Color,
+        /// A rotation of an image: from the directions above to those in which it is seen. None for a color.
+        turn: Affine,
     },
     /// A point that sends the same in all directions.
     Point {
@@ -58,21 +62,25 @@ pub enum LightKind {
 }
 
 impl LightKind {
+    /// An environment as it is, neither tinted nor turned.
+    pub fn environment(radiance: ColorOrTexture) -> Self {
+        Self::Environment { radiance, tint: Color::Grey(1.0), turn: Affine::IDENTITY }
+    }
+
     /// The image that says how much comes from where, if there is one.
     pub fn texture(&self) -> Option<Handle<Texture>> {
         match self {
-            Self::Environment { radiance } => radiance.texture(),
+            Self::Environment { radiance, tint: _, turn: _ } => radiance.texture(),
             Self::Point { position: _, intensity: _ }
             | Self::Spot { position: _, target: _, intensity: _, angle: _, inner: _ }
             | Self::Directional { direction: _, irradiance: _ } => None,
         }
     }
 
-    /// Its strength, whatever the unit; of an image, which only renderers read, 1.
+    /// Its strength, whatever the unit; of an image its tint.
     pub fn color(&self) -> &Color {
-        const UNREAD: &Color = &Color::Grey(1.0);
         match self {
-            Self::Environment { radiance } => radiance.color().unwrap_or(UNREAD),
+            Self::Environment { radiance, tint, turn: _ } => radiance.color().unwrap_or(tint),
             Self::Point { position: _, intensity } => intensity,
             Self::Spot { position: _, target: _, intensity, angle: _, inner: _ } => intensity,
             Self::Directional { direction: _, irradiance } => irradiance,
@@ -82,7 +90,7 @@ impl LightKind {
     /// The constructor that makes it.
     pub fn word(&self) -> &'static str {
         match self {
-            Self::Environment { radiance: _ } => "environment",
+            Self::Environment { radiance: _, tint: _, turn: _ } => "environment",
             Self::Point { position: _, intensity: _ } => "point",
             Self::Spot { position: _, target: _, intensity: _, angle: _, inner: _ } => "spot",
             Self::Directional { direction: _, irradiance: _ } => "directional",

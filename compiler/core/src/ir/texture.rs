@@ -16,12 +16,14 @@ use super::{Color, Handle};
 pub struct Texture {
     /// As the author wrote it, else the name of the file without its ending; need not be a word, need not be unique.
     pub name: String,
-    /// The file as it is.
+    /// A file that means the same in every renderer: the reader of images made it so.
     pub file: ImageFile,
     /// What its header says.
     pub image: ImageInfo,
     /// How its numbers become linear.
     pub encoding: Encoding,
+    /// The largest of its numbers once they are linear.
+    pub peak: f64,
 }
 
 /// How the numbers of an image become linear.

@@ -22,7 +22,10 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
         if survey.cut || sees_something(survey, camera, &frustum) {
             continue;
         }
-        let around = scene.lights.values().any(|light| matches!(light.kind, LightKind::Environment { radiance: _ }));
+        let around = scene
+            .lights
+            .values()
+            .any(|light| matches!(light.kind, LightKind::Environment { radiance: _, tint: _, turn: _ }));
         report.add(
             origin,
             format!("{} sees no surface", called(camera)),

@@ -16,7 +16,7 @@ pub(super) const RULE: Rule = Rule {
 fn check(subject: &Subject<'_>, report: &mut Report) {
     let scene = subject.scene;
     // A scene with one light that has an extent is judged by it: its paths do not say which light they mean.
-    let wide = |light: &LightSource| matches!(light.kind, LightKind::Environment { radiance: _ });
+    let wide = |light: &LightSource| matches!(light.kind, LightKind::Environment { radiance: _, tint: _, turn: _ });
     let extended = scene.surfaces().any(|(_, shape)| shape.emission.is_some()) || scene.lights.values().any(wide);
     let extent = if extended || scene.lights.is_empty() { LightExtent::Area } else { LightExtent::Point };
     for text in &scene.documentation.paths {

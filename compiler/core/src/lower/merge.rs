@@ -47,7 +47,7 @@ fn merged_textures(
     lights: &mut Arena<LightSource>,
 ) -> Arena<Texture> {
     let equal = |one: &Texture, other: &Texture| {
-        let Texture { name: _, file, image, encoding } = one;
+        let Texture { name: _, file, image, encoding, peak: _ } = one;
         *encoding == other.encoding && *image == other.image && *file == other.file
     };
     let all: Vec<&Texture> = old.values().collect();
@@ -72,8 +72,9 @@ fn merged_textures(
         }
     }
     for (_, LightSource { name: _, kind }) in lights.iter_mut() {
-        if let Some(new) = kind.texture().and_then(|texture| handles[same[texture.index()]]) {
-            *kind = LightKind::Environment { radiance: ColorOrTexture::Texture(new) };
+        let new = kind.texture().and_then(|texture| handles[same[texture.index()]]);
+        if let (Some(new), LightKind::Environment { radiance, tint: _, turn: _ }) = (new, kind) {
+            *radiance = ColorOrTexture::Texture(new);
         }
     }
     textures

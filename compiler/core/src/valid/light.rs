@@ -1,7 +1,7 @@
 //! Lights without a surface: numbers in range, a direction, one environment.
 
 use crate::diag::Finding;
-use crate::ir::{LightKind, LightSource, Scene, length};
+use crate::ir::{Affine, LightKind, LightSource, Scene, length};
 
 use super::fits;
 
@@ -17,10 +17,17 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
             fault("invalid-light", "its strength is negative, not finite, or beyond 1e30");
         }
         match kind {
-            LightKind::Environment { radiance } => {
+            LightKind::Environment { radiance, tint, turn } => {
                 let image = radiance.texture().map(|texture| scene.textures.values().nth(texture.index()));
                 if image.is_some_and(|image| image.is_none_or(|texture| !texture.image.format.is_float())) {
                     fault("invalid-light", "its image is not in the scene, or holds no floats");
+                }
+                if !(radiance.texture().is_some() || (tint.is_grey() && tint.max() == 1.0 && *turn == Affine::IDENTITY))
+                {
+                    fault("invalid-light", "it is tinted or turned without an image");
+                }
+                if !turn.is_rotation() {
+                    fault("invalid-light", "it is turned by something else than a rotation");
                 }
                 if environment {
                     fault("second-environment", "there is another environment, which Mitsuba refuses");

@@ -115,7 +115,7 @@ fn lights() {
     let grey = Color::Grey;
     let point = |position, intensity| light(LightKind::Point { position, intensity });
     let directional = |direction, irradiance| light(LightKind::Directional { direction, irradiance });
-    let environment = |radiance: Color| light(LightKind::Environment { radiance: radiance.into() });
+    let environment = |radiance: Color| light(LightKind::environment(radiance.into()));
     assert_eq!(only(point([f64::NAN, 0.0, 0.0], grey(1.0))), at);
     assert_eq!(only(point([0.0; 3], Color::Rgb([1.0, -1.0, 1.0]))), at);
     assert_eq!(only(directional([0.0, 0.0, 2.0], grey(1.0))), at);
@@ -242,7 +242,7 @@ fn all_faults_are_reported_at_once() {
 #[test]
 fn textures_need_pixels_a_fitting_encoding_and_texture_coordinates() {
     let add = |scene: &mut Scene, image: ImageInfo, encoding: Encoding| {
-        let texture = Texture { name: "oak".to_owned(), file: ImageFile::new(b"a"), image, encoding };
+        let texture = Texture { name: "oak".to_owned(), file: ImageFile::new(b"a"), image, encoding, peak: 1.0 };
         let place = Origin::File { path: "a".to_owned(), place: "texture".to_owned() };
         scene.textures.push(texture, place)
     };

@@ -5,7 +5,7 @@ use crate::ir::{Encoding, ImageInfo, Scene, Shape, Texture};
 
 pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
     for (origin, texture) in scene.textures.entries() {
-        let Texture { name, file, image, encoding } = texture;
+        let Texture { name, file, image, encoding, peak } = texture;
         let ImageInfo { format, width, height, channels, bits } = *image;
         let mut fault = |message: &str| {
             let message = format!("texture `{}`: {message}", name.escape_debug());
@@ -16,6 +16,9 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
         }
         if !(1..=4).contains(&channels) || ![8, 16, 32].contains(&bits) {
             fault("its image has no 1 to 4 channels of 8, 16 or 32 bits");
+        }
+        if !(peak.is_finite() && *peak >= 0.0) {
+            fault("its largest number is not finite, or negative");
         }
         if format.is_float() && *encoding == Encoding::Srgb {
             fault("its image holds floats, which are linear in every renderer");

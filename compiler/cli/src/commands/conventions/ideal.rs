@@ -2,9 +2,11 @@
 //! the Scene and no renderer.
 //!
 //! Lamps have their radiance; diffuse surfaces and rough metal have that of point, spot and directional light (with
-//! shadows), of polygons of light and of an even environment (both seen whole); smooth metal and mirrors show what they reflect.
+//! shadows), of polygons of light and of an even environment (both seen whole); an image of the environment
+//! is seen as it is; smooth metal and mirrors show what they reflect.
 //! Glass and light of several diffuse bounces have no closed form here, and give no number.
 
+use ltsc_core::image::{self, Pixels, sphere};
 use ltsc_core::ir::{
     Affine, Bsdf, Emission, Group, Instance, LightKind, Scene, Shape, Vec3, cross, dot, length, normalized, sub,
 };
@@ -50,6 +52,22 @@ pub struct Ideal<'s> {
     scene: &'s Scene,
     triangles: Vec<Triangle<'s>>,
     environment: Option<[f64; 3]>,
+    sky: Option<Sky>,
+}
+
+/// An image of the environment: its pixels, their factor, and from directions to those of the image.
+struct Sky {
+    pixels: Pixels,
+    tint: [f64; 3],
+    back: Affine,
+}
+
+impl Sky {
+    /// The radiance that comes from a direction.
+    fn seen(&self, to: Vec3) -> [f64; 3] {
+        let color = sphere::seen(&self.pixels, self.back.point(to));
+        [0, 1, 2].map(|channel| color[channel] * self.tint[channel])
+    }
 }
 
 impl<'s> Ideal<'s> {
@@ -63,10 +81,21 @@ impl<'s> Ideal<'s> {
             place(scene, instance, &Affine::IDENTITY, &mut triangles);
         }
         let environment = scene.lights.values().find_map(|light| match &light.kind {
-            LightKind::Environment { radiance } => radiance.color().map(ltsc_core::ir::Color::rgb),
+            LightKind::Environment { radiance, tint: _, turn: _ } => radiance.color().map(ltsc_core::ir::Color::rgb),
             LightKind::Point { .. } | LightKind::Spot { .. } | LightKind::Directional { .. } => None,
         });
-        Self { scene, triangles, environment }
+        let sky = scene.lights.values().find_map(|light| match &light.kind {
+            LightKind::Environment { radiance, tint, turn } => {
+                let texture = &scene.textures[radiance.texture()?];
+                // A rotation's way back is its transpose.
+                let back = Affine {
+                    rows: [0, 1, 2].map(|row| [turn.rows[0][row], turn.rows[1][row], turn.rows[2][row], 0.0]),
+                };
+                Some(Sky { pixels: image::linear(texture).ok()?, tint: tint.rgb(), back })
+            }
+            LightKind::Point { .. } | LightKind::Spot { .. } | LightKind::Directional { .. } => None,
+        });
+        Self { scene, triangles, environment, sky }
     }
 
     /// The image of the first camera.
@@ -112,7 +141,9 @@ impl<'s> Ideal<'s> {
 
     /// The radiance that arrives at `from` from the direction `to`.
     fn radiance(&self, from: Vec3, to: Vec3, bounces: usize) -> [f64; 3] {
-        let Some(hit) = self.trace(from, to) else { return self.environment.unwrap_or([0.0; 3]) };
+        let Some(hit) = self.trace(from, to) else {
+            return self.sky.as_ref().map_or(self.environment.unwrap_or([0.0; 3]), |sky| sky.seen(to));
+        };
         let triangle = hit.triangle;
         let mut light = match triangle.radiance {
             Some(radiance) if dot(triangle.flat, to) < 0.0 => radiance,

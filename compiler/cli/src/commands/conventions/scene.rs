@@ -10,12 +10,43 @@ use ltsc_core::valid::Valid;
 use super::kinds::{Convention, View};
 use crate::output::{Exit, Failure};
 
+/// An image or a mesh that scenes of conventions name.
+macro_rules! image {
+    ($name:literal) => {
+        (
+            concat!("images/", $name),
+            include_bytes!(concat!(env!("CARGO_MANIFEST_DIR"), "/compiler/cli/conventions/images/", $name)),
+        )
+    };
+}
+
+const IMAGES: &[(&str, &[u8])] = &[
+    image!("colors.png"),
+    image!("dark.png"),
+    image!("edge.exr"),
+    image!("edge.hdr"),
+    image!("edge.jpg"),
+    image!("edge.pfm"),
+    image!("edge.png"),
+    image!("edge_16.png"),
+    image!("light.png"),
+    image!("quarters.exr"),
+    image!("quarters.hdr"),
+    image!("quarters.jpg"),
+    image!("quarters.pfm"),
+    image!("quarters.png"),
+    image!("quarters_16.png"),
+    image!("ridge.ply"),
+    image!("sky.exr"),
+];
+
 /// Reads the scene of a view. What lint says of it is not asked here: some conventions are about what it refuses.
 pub fn checked(convention: &Convention, view: &View) -> Result<Checked, Failure> {
     let fault = |message: String| Failure::new(Exit::Fault, format!("the convention `{}`: {message}", convention.name));
     let name = format!("{}.lts", convention.name);
     let mut files = MemoryFiles::default();
     files.insert(name.as_str(), convention.text);
+    IMAGES.iter().for_each(|(name, bytes)| files.insert(*name, *bytes));
     let path = VPath::resolve("", &name).map_err(|error| fault(error.to_string()))?;
     let set = view.set.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned()));
     let overrides = Overrides {

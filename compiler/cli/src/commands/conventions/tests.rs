@@ -33,6 +33,7 @@ const CLOSED: &[&str] = &[
     "spot_light",
     "directional_light",
     "environment_light",
+    "environment_image",
     "mirror",
     "conductor_fresnel",
     "conductor_alpha",

@@ -4,15 +4,16 @@ use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use crate::diag::{Finding, Severity};
-use crate::files::VPath;
-use crate::image;
-use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Encoding, Handle, ImageFile, Places, Texture};
+use crate::files::{Bytes, VPath};
+use crate::image::{self, Loaded};
+use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Encoding, Handle, Places, Texture};
 use crate::mesh::Geometry;
 use crate::mesh::file::{Model, NAMELESS, Part, Picture, Scatter, Surface, read_parts};
 
 use super::super::items::{GroupBody, Item};
 use super::super::value::{EmissionValue, GroupValue, MaterialValue, MeshValue, Ty, Value};
 use super::meshes::{beside, broken, read, remark};
+use super::textures::lost;
 use super::{Args, Constructor, Family, Parameter, Problem, Site};
 
 pub(super) const ROWS: &[Constructor] = &[Constructor {
@@ -181,20 +182,27 @@ fn unpainted(
 }
 
 fn texture(path: &VPath, surface: &Surface, picture: &Picture, site: &mut Site<'_>) -> Result<Texture, String> {
-    let (name, ending, file) = match picture {
+    let (name, ending, bytes) = match picture {
         Picture::Inside { image: _, ending, bytes } => {
-            (surface.name.clone(), (*ending).to_owned(), ImageFile::new(bytes))
+            (surface.name.clone(), (*ending).to_owned(), Bytes::new(bytes.to_vec()))
         }
         Picture::Beside(written) => {
             let other =
                 VPath::resolve(path.folder(), &written.replace('\\', "/")).map_err(|error| error.to_string())?;
             let bytes = site.host.read(&other).map_err(|error| format!("`{other}`: {error}"))?;
-            (other.stem().to_owned(), other.extension(), ImageFile::new(&bytes))
+            (other.stem().to_owned(), other.extension(), bytes)
         }
     };
-    let image = image::read(&ending, &file).map_err(|error| format!("`{name}` {}", error.message))?;
-    let encoding = if image.format.is_float() { Encoding::Linear } else { Encoding::Srgb };
-    Ok(Texture { name, file, image, encoding })
+    let loaded = image::load(&ending, &bytes, site.limits.pixels);
+    let Loaded { info, file, peak, remarks } = loaded.map_err(|error| format!("`{name}` {}", error.message))?;
+    for remark in remarks {
+        site.findings.push(lost(&name, remark, site.span));
+    }
+    let (encoding, peak) = match info.format.is_float() {
+        true => (Encoding::Linear, peak),
+        false => (Encoding::Srgb, image::decoded(peak)),
+    };
+    Ok(Texture { name, file, image: info, encoding, peak })
 }
 
 /// Says what of the materials is not read, or not exactly; once for each reason.

@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use crate::ir::{Color, ColorOrTexture, LightKind, Meaning, normalized};
+use crate::ir::{Affine, Color, ColorOrTexture, LightKind, Meaning, Spectrum, normalized};
 
 use super::super::value::{Ty, Value};
 use super::{Args, Constructor, Family, Parameter, Problem, Site};
@@ -12,14 +12,19 @@ pub(super) const ROWS: &[Constructor] = &[
         family: Family::Light,
         name: "environment",
         summary: "Light from everywhere around the scene, the same from all directions or by an image; at most one in a scene.",
-        params: &[Parameter {
-            name: "radiance",
-            ty: Ty::ColorOrTexture,
-            default: None,
-            doc: "radiance in W/(m2 sr), >= 0; an image of floats holds all directions, +z above, +y in its middle and +x to the right of that",
-        }],
+        params: &[
+            Parameter {
+                name: "radiance",
+                ty: Ty::ColorOrTexture,
+                default: None,
+                doc: "radiance in W/(m2 sr), >= 0; an image of floats holds all directions, +z above, +y in its middle and +x to the right of that; \
+                      `|> rotate(...)` turns it",
+            },
+            Parameter { name: "scale", ty: Ty::Number, default: Some("1"), doc: "a factor of it, >= 0" },
+            Parameter { name: "tint", ty: Ty::Color, default: Some("1"), doc: "a factor of each channel, >= 0" },
+        ],
         positional: 0,
-        example: "emitter sky = environment(radiance: rgb(0.6, 0.7, 1))",
+        example: "emitter sky = environment(radiance: bitmap(\"sky.exr\"), scale: 2, tint: rgb(1, 0.9, 0.8)) |> rotate(z: 30deg)",
         build: |args, site| environment(args, site),
     },
     Constructor {
@@ -113,8 +118,17 @@ pub(super) const ROWS: &[Constructor] = &[
 ];
 
 fn environment(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
+    let scale = args.number("scale").unwrap_or(1.0);
+    if scale < 0.0 {
+        return Err(Problem::new("scale", "`scale` must be at least 0"));
+    }
+    let tint = if args.get("tint").is_some() { strength(args, "tint")? } else { Color::Grey(1.0) };
+    let tint = match tint {
+        Color::Grey(tint) => Color::Grey(tint * scale),
+        tint @ (Color::Rgb(_) | Color::Spectrum(_)) => Color::Rgb(tint.rgb().map(|part| part * scale)),
+    };
     let Some(ColorOrTexture::Texture(texture)) = args.color_or_texture("radiance") else {
-        return light(LightKind::Environment { radiance: strength(args, "radiance")?.into() });
+        return light(LightKind::environment(tinted(strength(args, "radiance")?, &tint)?.into()));
     };
     let format = site.host.image(texture).format;
     if !format.is_float() {
@@ -126,7 +140,28 @@ fn environment(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
         .note("its codes end at white, and a sun or a lamp is brighter")
         .help("save it as OpenEXR or PFM"));
     }
-    light(LightKind::Environment { radiance: ColorOrTexture::Texture(texture) })
+    let turn = Affine::IDENTITY;
+    light(LightKind::Environment { radiance: ColorOrTexture::Texture(texture), tint, turn })
+}
+
+/// A color times a tint, both light.
+fn tinted(color: Color, tint: &Color) -> Result<Color, Problem> {
+    match (color, tint) {
+        (color, Color::Grey(1.0)) => Ok(color),
+        (Color::Grey(color), Color::Grey(tint)) => Ok(Color::Grey(color * tint)),
+        (Color::Spectrum(spectrum), Color::Grey(tint)) => {
+            let points: Vec<_> = spectrum.points().iter().map(|(place, value)| (*place, value * tint)).collect();
+            Ok(Color::Spectrum(Spectrum::new(&points, Meaning::Light)))
+        }
+        (Color::Spectrum(_), Color::Rgb(_) | Color::Spectrum(_)) => {
+            Err(Problem::new("tint", "a spectrum has no red, green and blue that could be tinted")
+                .help("write the spectrum that is meant"))
+        }
+        (color, tint) => {
+            let (color, tint) = (color.rgb(), tint.rgb());
+            Ok(Color::Rgb([0, 1, 2].map(|at| color[at] * tint[at])))
+        }
+    }
 }
 
 fn spot(args: &Args) -> Result<Value, Problem> {

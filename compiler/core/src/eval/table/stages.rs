@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use crate::ir::{Affine, Places, cross, normalized};
+use crate::ir::{Affine, ColorOrTexture, LightKind, Places, cross, normalized};
 use crate::mesh::{self, Geometry};
 
 use super::super::value::{GroupValue, MeshValue, Ty, Value};
@@ -40,7 +40,12 @@ pub(super) const ROWS: &[Constructor] = &[
         name: "rotate",
         summary: "Turns counter-clockwise, seen against the axis. Give exactly one of `x`, `y`, `z`, or `axis` and `angle`.",
         params: &[
-            ANY,
+            Parameter {
+                name: "of",
+                ty: Ty::Turnable,
+                default: None,
+                doc: "the mesh, group or environment before `|>`",
+            },
             Parameter { name: "x", ty: Ty::Angle, default: Some(""), doc: "about X" },
             Parameter { name: "y", ty: Ty::Angle, default: Some(""), doc: "about Y" },
             Parameter { name: "z", ty: Ty::Angle, default: Some(""), doc: "about Z" },
@@ -226,7 +231,24 @@ fn rotate(args: &Args, _: &mut Site<'_>) -> Result<Value, Problem> {
     let about = args.vec3("about").unwrap_or_default();
     let back = about.map(|part| 0.0 - part);
     let turn = Affine::rotation(axis, angle);
+    if let Some(Value::Light(kind)) = args.get("of") {
+        return turned(kind, &turn, args.get("about").is_some_and(|_| about != [0.0; 3]));
+    }
     moved(args, &Affine::translation(back).then(&turn).then(&Affine::translation(about)))
+}
+
+/// An environment behind one more turn. It is infinitely far away, so that there is no place to turn it about.
+fn turned(kind: &LightKind, by: &Affine, about: bool) -> Result<Value, Problem> {
+    if about {
+        return Err(Problem::new("about", "an environment is turned about no place: it is infinitely far away")
+            .help("leave `about` out"));
+    }
+    let mut kind = kind.clone();
+    if let LightKind::Environment { radiance: ColorOrTexture::Texture(_), tint: _, turn } = &mut kind {
+        *turn = turn.then(by);
+    }
+    // The same radiance from all directions looks the same however it is turned.
+    Ok(Value::Light(Rc::new(kind)))
 }
 
 fn frame(args: &Args, _: &mut Site<'_>) -> Result<Value, Problem> {

@@ -1,8 +1,10 @@
 //! Textures.
 
-use crate::image::{self, ImageError};
-use crate::ir::{Encoding, ImageFile, Texture};
+use crate::diag::{Finding, Severity, Span};
+use crate::image::{self, ImageError, Loaded, Loss, Remark};
+use crate::ir::{Encoding, Texture};
 
+use super::super::Limit;
 use super::super::value::{Ty, Value};
 use super::meshes::read;
 use super::{Args, Constructor, Family, Parameter, Problem, Site};
@@ -36,21 +38,36 @@ fn bitmap(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
         _ => None,
     };
     let (path, bytes) = read(args, site)?;
-    let image = image::read(&path.extension(), &bytes).map_err(|ImageError { message, place, help }| {
-        Problem::new("path", format!("`{path}` {message}"))
-            .id("invalid-image-file")
-            .label(place)
-            .maybe_help(help.map(str::to_owned))
+    let loaded = image::load(&path.extension(), &bytes, site.limits.pixels);
+    let Loaded { info, file, peak, remarks } = loaded.map_err(|ImageError { id, message, place, help }| {
+        let help = if id == "image-limit" { Some(Limit::help("pixels")) } else { help.map(str::to_owned) };
+        Problem::new("path", format!("`{path}` {message}")).id(id).label(place).maybe_help(help)
     })?;
-    let float = image.format.is_float();
+    let float = info.format.is_float();
     if float && wanted == Some(Encoding::Srgb) {
         return Err(Problem::new("encoding", format!("`{path}` holds floats, which are linear in every renderer"))
             .id("invalid-texture")
             .help("leave `encoding` out, or save the image as PNG"));
     }
     let encoding = wanted.unwrap_or(if float { Encoding::Linear } else { Encoding::Srgb });
-    let texture = Texture { name: path.stem().to_owned(), file: ImageFile::new(&bytes), image, encoding };
+    for remark in remarks {
+        site.findings.push(lost(&path.to_string(), remark, site.span));
+    }
+    let name = path.stem().to_owned();
+    let peak = if encoding == Encoding::Srgb { image::decoded(peak) } else { peak };
+    let texture = Texture { name, file, image: info, encoding, peak };
     Ok(Value::Texture(site.host.texture(texture, site.span)))
+}
+
+/// What is to be said of a part of an image file that does not stay as it is.
+pub(super) fn lost(path: &str, remark: Remark, span: Span) -> Finding {
+    let Remark { loss, message } = remark;
+    let id = match loss {
+        Loss::Baked => "loss-baked",
+        Loss::Approximated => "loss-approximated",
+        Loss::Dropped => "loss-dropped",
+    };
+    Finding::new(id, Severity::Warn, span, format!("`{path}` {message}"))
 }
 
 fn encoding(word: &str) -> Result<Encoding, Problem> {

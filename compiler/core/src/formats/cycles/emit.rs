@@ -6,6 +6,7 @@ use super::names::{self, literal};
 use crate::files::Sink;
 use crate::formats::shared::camera;
 use crate::formats::shared::coat::{self, Coat, Mapped};
+use crate::formats::shared::images;
 use crate::formats::shared::names::Words;
 use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Line};
@@ -30,7 +31,8 @@ pub fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
         view(scene, &scene.cameras[emission.camera], out)?;
         description(emission, out)?;
         writeln!(out, "\nif __name__ == \"__main__\":\n    finish()")
-    })
+    })?;
+    images::write_own(scene, names::images, sink)
 }
 
 fn settings(scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
@@ -84,14 +86,18 @@ fn description(emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
     let (scene, meshes): (&Scene, &str) = (emission.scene, emission.meshes);
     let textures = Words::default().assign(scene.textures.values().map(|texture| texture.name.as_str()));
     writeln!(out)?;
-    for ((item, id), file) in scene.textures.values().zip(&textures).zip(formats::texture_files(scene)) {
-        let Texture { name, file: _, image: _, encoding } = item;
+    let painted = images::on_surfaces(scene);
+    for ((handle, item), id) in scene.textures.iter().zip(&textures) {
+        let Texture { name, file: _, image: _, encoding: _, peak: _ } = item;
         comment(name, id, out)?;
-        let linear = match encoding {
+        // An image of the environment alone is a file of floats, which is not decoded.
+        let purpose = if painted[handle.index()] { images::Use::Surface } else { images::Use::Sky([1.0; 3]) };
+        let linear = match names::images(item, purpose).encoding(item) {
             Encoding::Srgb => "",
             Encoding::Linear => ", linear=True",
         };
-        writeln!(out, "texture({}, {}{linear})", literal(id), literal(&format!("{}{file}", emission.textures)))?;
+        let path = images::path(emission, handle, purpose, names::images).unwrap_or_default();
+        writeln!(out, "texture({}, {}{linear})", literal(id), literal(&path))?;
     }
     let materials = Words::default().assign(scene.materials.values().map(|material| material.name.as_str()));
     for (item, id) in scene.materials.values().zip(&materials) {
@@ -193,7 +199,16 @@ fn light_source(light: &LightSource, textures: &[String], out: &mut dyn Write) -
     let LightSource { name, kind } = light;
     let name = literal(name);
     match kind {
-        LightKind::Environment { radiance } => writeln!(out, "environment({})", paint(radiance, textures)),
+        LightKind::Environment { radiance, tint, turn } => {
+            write!(out, "environment({}", paint(radiance, textures))?;
+            if tint.rgb() != [1.0; 3] {
+                write!(out, ", tint={}", rgb(tint))?;
+            }
+            if *turn != Affine::IDENTITY {
+                write!(out, ", turn={}", rows(turn))?;
+            }
+            writeln!(out, ")")
+        }
         LightKind::Point { position, intensity } => {
             writeln!(out, "point({name}, {}, intensity={})", tuple(position), rgb(intensity))
         }

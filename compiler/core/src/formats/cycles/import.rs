@@ -304,7 +304,7 @@ impl Reader {
 
     fn light<'c, 't>(&mut self, call: &'c Call<'t>, to: &mut Said<'_, '_, '_>) -> Arguments<'c, 't> {
         let names: &[&str] = match call.name {
-            "environment" => &["radiance"],
+            "environment" => &["radiance", "tint", "turn"],
             "point" => &["name", "position", "intensity"],
             "directional" => &["name", "x", "y", "z", "irradiance"],
             _ => &["name", "position", "x", "y", "z", "intensity", "angle", "blend"],
@@ -321,7 +321,12 @@ impl Reader {
             arguments.row("z", to).and_then(normalized).map(|axis| axis.map(|part| -part))
         };
         let light = match call.name {
-            "environment" => Some(Light::Environment { radiance: self.paint("radiance", &arguments, to) }),
+            "environment" => {
+                let radiance = self.paint("radiance", &arguments, to);
+                let tint = arguments.get("tint").map_or([1.0; 3], |_| arguments.rgb("tint", to));
+                let turn = arguments.matrix("turn", to);
+                Some(Light::Environment { radiance: radiance.scaled(tint), turn })
+            }
             "point" => {
                 let position = arguments.row("position", to);
                 let intensity = arguments.rgb("intensity", to);

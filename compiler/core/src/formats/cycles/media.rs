@@ -81,7 +81,7 @@ pub fn bound(scene: &Scene) -> Option<Bound> {
     for (eye, point) in eyes.iter().flat_map(|eye| points.iter().map(move |point| (*eye, point))) {
         let Some(camera) = entered(&borders, eye, *point) else { continue };
         let distant = scene.lights.values().map(|light| match &light.kind {
-            LightKind::Environment { radiance: _ } => along(*point, [0.0, 0.0, 1.0], far),
+            LightKind::Environment { radiance: _, tint: _, turn: _ } => along(*point, [0.0, 0.0, 1.0], far),
             LightKind::Point { position, intensity: _ }
             | LightKind::Spot { position, target: _, intensity: _, angle: _, inner: _ } => *position,
             LightKind::Directional { direction, irradiance: _ } => along(*point, *direction, -far),

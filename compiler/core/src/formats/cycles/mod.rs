@@ -19,6 +19,7 @@ pub const CYCLES: Target = Target {
     shares_meshes: true,
     supports,
     conversions: conversions::CONVERSIONS,
+    images: names::images,
     bound: conversions::bound,
     choices: &[],
     emit: emit::emit,
@@ -38,7 +39,8 @@ fn supports(feature: Feature) -> Support {
         | Feature::ScatteringEmitter
         | Feature::ColouredEmitter
         | Feature::Environment
-        | Feature::EnvironmentImage
+        | Feature::TurnedEnvironment
+        | Feature::TintedEnvironment
         | Feature::PointLight
         | Feature::SpotLight
         | Feature::DirectionalLight
@@ -66,6 +68,15 @@ fn supports(feature: Feature) -> Support {
         | Feature::SobolSampler
         | Feature::SobolForLightPaths
         | Feature::Seed => Exact,
+        Feature::EnvironmentImage => Support::approximate(
+            "Cycles mixes the rows of an environment's image at its two edges with each other",
+            "half a row of pixels at each pole (4.5); exact elsewhere",
+        ),
+        Feature::SrgbTexture => Support::approximate(
+            "Cycles interpolates between sRGB codes and decodes then: its images are written decoded, as half floats in OpenEXR",
+            "each pixel within 0.05 % of its value (2^-11), from the first code of 8 bits on; of JPEG within a code of what libjpeg decodes, two \
+             at edges of halved chroma",
+        ),
         Feature::SmoothDiffuse => Support::approximate(
             "Cycles also lights what turns its interpolated normal away from the camera; others leave it dark",
             "a coarse sphere of 12 by 6 faces, lit from the side, 2.7 % too bright in its mean, all of it on its lit edge, \

@@ -1,5 +1,17 @@
 //! The conventions of Blender for numbers and names.
 
+use crate::formats::shared::images::{Form, Use};
+use crate::ir::{Encoding, Texture};
+
+/// What Blender does with an image: it decodes codes of sRGB after it interpolated between them (4.5: a black and a white pixel give
+/// 0.21 between them instead of 0.5), so that it gets decoded ones.
+pub fn images(texture: &Texture, purpose: Use) -> Form {
+    match (purpose, texture.encoding) {
+        (Use::Surface, Encoding::Srgb) => Form::Decoded,
+        (Use::Surface, Encoding::Linear) | (Use::Sky(_), _) => Form::Shared,
+    }
+}
+
 /// Clipping distances that a file gets where the scene gives none and nothing lies outside of them.
 pub const DEFAULT_CLIPPING: (f64, f64) = (1e-3, 1e6);
 

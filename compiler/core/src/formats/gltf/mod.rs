@@ -11,6 +11,7 @@ pub mod names;
 mod nodes;
 mod surface;
 
+use super::shared::images;
 use super::{Choice, Target};
 use crate::capability::{Feature, Support};
 
@@ -23,6 +24,7 @@ pub const GLTF: Target = Target {
     shares_meshes: false,
     supports,
     conversions: conversions::CONVERSIONS,
+    images: images::all_shared,
     bound: conversions::bound,
     choices: &[Choice {
         name: emit::INSTANCING,
@@ -65,6 +67,7 @@ fn supports(feature: Feature) -> Support {
         | Feature::SmoothDiffuse
         | Feature::Texture
         | Feature::ColouredTexture
+        | Feature::SrgbTexture
         | Feature::DeepTexture
         | Feature::JpegTexture
         | Feature::VertexNormals
@@ -95,9 +98,11 @@ fn supports(feature: Feature) -> Support {
             Support::unsupported("glTF's index of refraction is at least 1, inside relative to outside")
         }
         Feature::BlackEmitter | Feature::ScatteringEmitter | Feature::ColouredEmitter => EMITTER,
-        Feature::Environment | Feature::EnvironmentImage => Support::unsupported(
-            "glTF has no environment: EXT_lights_image_based takes prefiltered images, and few programs read it",
-        ),
+        Feature::Environment | Feature::EnvironmentImage | Feature::TurnedEnvironment | Feature::TintedEnvironment => {
+            Support::unsupported(
+                "glTF has no environment: EXT_lights_image_based takes prefiltered images, and few programs read it",
+            )
+        }
         Feature::SoftSpotLight => Support::approximate(
             "KHR_lights_punctual leaves the fall-off between the two cones to the program that draws",
             "with the curve that it recommends up to 0.25 of the intensity less in that ring, with 0.7 to 1 of its light (computed)",

@@ -138,7 +138,7 @@ pub fn light(source: &LightSource) -> Option<(doc::Light, doc::Node)> {
     let mut node = doc::Node { name: name.clone(), ..doc::Node::default() };
     let mut spot = None;
     let kind_name = match kind {
-        LightKind::Environment { radiance: _ } => return None,
+        LightKind::Environment { radiance: _, tint: _, turn: _ } => return None,
         LightKind::Point { position, intensity: _ } => {
             place(&mut node, &Affine::translation(*position));
             "point"

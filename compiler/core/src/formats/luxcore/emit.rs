@@ -8,6 +8,7 @@ use super::{fresnel, names};
 use crate::files::Sink;
 use crate::formats::shared::camera;
 use crate::formats::shared::coat::{self, Coat, Mapped};
+use crate::formats::shared::images;
 use crate::formats::shared::names::{Words, file_stem};
 use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Line, Quoted};
@@ -124,17 +125,11 @@ fn description(emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
     // The ending keeps these apart from the textures that belong to materials.
     let textures = Words::default().assign(scene.textures.values().map(|texture| texture.name.as_str()));
     let textures: Vec<String> = textures.iter().map(|id| format!("{id}_image")).collect();
-    let images = formats::texture_files(scene);
-    for ((item, id), file) in scene.textures.values().zip(&textures).zip(&images) {
-        // Images of the environment belong to it.
-        if scene
-            .lights
-            .values()
-            .any(|light| light.kind.texture().is_some_and(|used| std::ptr::eq(&scene.textures[used], item)))
-        {
-            continue;
-        }
-        texture(item, id, &format!("{}{file}", emission.textures), out)?;
+    let painted = images::on_surfaces(scene);
+    for ((handle, item), id) in scene.textures.iter().zip(&textures).filter(|((handle, _), _)| painted[handle.index()])
+    {
+        let path = images::path(emission, handle, images::Use::Surface, images::all_shared).unwrap_or_default();
+        texture(item, id, &path, out)?;
     }
     for (item, id) in scene.materials.values().zip(&materials) {
         let Material { name, bsdf } = item;
@@ -174,7 +169,7 @@ fn description(emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
     for (light, id) in scene.lights.values().zip(&lights) {
         let LightSource { name, kind } = light;
         comment(name, id, out)?;
-        let file = kind.texture().map(|texture| format!("{}{}", emission.textures, images[texture.index()]));
+        let file = images::sky_path(emission, kind, images::all_shared);
         light_source(kind, (id, file.as_deref()), out)?;
     }
     // LuxCore has no groups: each use of a shape is an object, and the meshes are shared.
@@ -322,15 +317,15 @@ fn emission_of(radiance: &Color, id: &str, out: &mut dyn Write) -> io::Result<()
 fn light_source(kind: &LightKind, (id, image): (&str, Option<&str>), out: &mut dyn Write) -> io::Result<()> {
     let mut put = |name: &str, value: &str| set(out, &format!("scene.lights.{id}.{name}"), value);
     match kind {
-        LightKind::Environment { radiance: ColorOrTexture::Texture(_) } => {
+        LightKind::Environment { radiance: ColorOrTexture::Texture(_), tint, turn } => {
             put("type", "\"infinite\"")?;
             put("file", &Quoted(image.unwrap_or_default()).to_string())?;
             put("gamma", "1")?;
             put("storage", "\"float\"")?;
-            put("gain", "1 1 1")?;
-            put("transformation", names::ENVIRONMENT)
+            put("gain", &row(&tint.rgb()))?;
+            put("transformation", &row(columns(&names::ENVIRONMENT.then(turn)).as_flattened()))
         }
-        LightKind::Environment { radiance: ColorOrTexture::Color(radiance) } => {
+        LightKind::Environment { radiance: ColorOrTexture::Color(radiance), tint: _, turn: _ } => {
             put("type", "\"constantinfinite\"")?;
             put("color", &rgb(radiance))?;
             put("gain", "1 1 1")
@@ -368,12 +363,15 @@ fn placed(transform: &Affine, id: &str, out: &mut dyn Write) -> io::Result<()> {
     if *transform == Affine::IDENTITY {
         return Ok(());
     }
+    set(out, &format!("scene.objects.{id}.transformation"), &row(columns(transform).as_flattened()))
+}
+
+fn columns(transform: &Affine) -> [[f64; 4]; 4] {
     let Affine { rows } = transform;
-    let columns: [[f64; 4]; 4] = [0, 1, 2, 3].map(|column| {
+    [0, 1, 2, 3].map(|column| {
         let [x, y, z] = rows.map(|row| row[column]);
         [x, y, z, if column == 3 { 1.0 } else { 0.0 }]
-    });
-    set(out, &format!("scene.objects.{id}.transformation"), &row(columns.as_flattened()))
+    })
 }
 
 fn comment(name: &str, id: &str, out: &mut dyn Write) -> io::Result<()> {

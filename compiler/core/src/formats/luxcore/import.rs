@@ -7,9 +7,9 @@ use super::properties::{Property, Said, Things, lines, string};
 use super::scatter;
 use crate::files::VPath;
 use crate::formats::shared::reading::{
-    Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Reading, Surface, Use, View,
+    Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Reading, Surface, Use, View, turned,
 };
-use crate::formats::shared::source::{self, REFERENCE, SYNTAX, Source, Text, UNKNOWN, number, numbers, shown};
+use crate::formats::shared::source::{self, REFERENCE, SYNTAX, Source, Text, UNKNOWN, number, shown};
 use crate::ir::{Affine, Filter, Vec3, cross, normalized, sub};
 
 /// Settings that say how long and where to, and not what.
@@ -192,13 +192,7 @@ fn description(text: Text<'_>, source: &mut Source<'_>, reading: &mut Reading) {
     }
     for thing in &objects.all {
         let [shape, material] = ["shape", "material"].map(|name| thing.string(name, to).unwrap_or_default());
-        let transform = match thing.row::<16>("transformation", to) {
-            Some(all) => affine(&all).unwrap_or_else(|| {
-                to.say(SYNTAX, thing.place("transformation"), "the matrix is not affine");
-                Affine::IDENTITY
-            }),
-            None => Affine::IDENTITY,
-        };
+        let transform = placed(thing, to);
         let (found, used) = (shapes.place(shape), materials.place(material));
         match (found, used) {
             (Some(shape), Some(material)) => {
@@ -272,6 +266,17 @@ fn camera(cameras: &Things<'_>, to: &mut Said<'_, '_, '_>, reading: &mut Reading
     reading.view = Some(View { eye, right, up, forward, fov_x, fov_y, shift });
 }
 
+/// The place of a thing.
+fn placed(thing: &super::properties::Thing<'_>, to: &mut Said<'_, '_, '_>) -> Affine {
+    match thing.row::<16>("transformation", to) {
+        Some(all) => affine(&all).unwrap_or_else(|| {
+            to.say(SYNTAX, thing.place("transformation"), "the matrix is not affine");
+            Affine::IDENTITY
+        }),
+        None => Affine::IDENTITY,
+    }
+}
+
 fn light(thing: &super::properties::Thing<'_>, to: &mut Said<'_, '_, '_>, reading: &mut Reading) {
     let text = to.text;
     let kind = thing.string("type", to).unwrap_or_default();
@@ -281,18 +286,18 @@ fn light(thing: &super::properties::Thing<'_>, to: &mut Said<'_, '_, '_>, readin
         [0, 1, 2].map(|channel| color[channel] * gain[channel])
     };
     let light = match kind {
-        "constantinfinite" => Some(Light::Environment { radiance: Paint::Color(strength(to)) }),
+        "constantinfinite" => Some(Light::Environment { radiance: Paint::Color(strength(to)), turn: Affine::IDENTITY }),
         "infinite" => {
             thing.demand("gamma", "1", to);
             thing.expect("storage", "\"float\"", to);
-            let lies = thing.row::<16>("transformation", to).map(|all| all.to_vec());
-            if lies != numbers(names::ENVIRONMENT, false) {
-                to.say(SYNTAX, thing.place("transformation"), "an image of the environment that lies so is not read");
-            }
+            let turn = turned(&names::ENVIRONMENT, &placed(thing, to));
             let factor = thing.rgb("gain", to).unwrap_or([1.0; 3]);
             let at = thing.place("file");
             let file = thing.string("file", to).and_then(|name| to.source.path(text.path, name, || text.origin(at)));
-            file.map(|file| Light::Environment { radiance: Paint::Image { file: file.into(), linear: true, factor } })
+            file.map(|file| Light::Environment {
+                radiance: Paint::Image { file: file.into(), linear: true, factor },
+                turn,
+            })
         }
         "point" => {
             thing.demand("power", "0", to);

@@ -9,6 +9,7 @@ mod properties;
 mod scatter;
 
 use super::Target;
+use super::shared::images;
 use crate::capability::{Feature, Support};
 
 /// LuxCore.
@@ -20,6 +21,7 @@ pub const LUXCORE: Target = Target {
     shares_meshes: true,
     supports,
     conversions: conversions::CONVERSIONS,
+    images: images::all_shared,
     bound: conversions::bound,
     choices: &[],
     emit: emit::emit,
@@ -44,6 +46,9 @@ fn supports(feature: Feature) -> Support {
         | Feature::DirectionalLight
         | Feature::Texture
         | Feature::ColouredTexture
+        | Feature::SrgbTexture
+        | Feature::TurnedEnvironment
+        | Feature::TintedEnvironment
         | Feature::LinearTexture
         | Feature::DeepTexture
         | Feature::JpegTexture

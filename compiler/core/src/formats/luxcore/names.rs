@@ -3,7 +3,7 @@
 //! Measured with pyluxcore 2.11.2 where it says so, else read in LuxCore's source (`src/slg/scene/parse*.cpp`).
 
 use crate::formats::shared::coat;
-use crate::ir::{Camera, Encoding, Film};
+use crate::ir::{Affine, Camera, Encoding, Film};
 
 /// The screen window that goes with a `fieldofview` along the image's width: `left right bottom top`.
 ///
@@ -94,9 +94,9 @@ pub fn specular(ior: f64) -> f64 {
     (coat::normal_reflectance(ior) / 0.08).min(1.0)
 }
 
-/// From the directions of `infinite` to the Scene's, by columns and by rows alike: the image's middle is its -x, and a quarter to the
-/// right of that its -y (measured with 2.11.2).
-pub const ENVIRONMENT: &str = "0 -1 0 0 -1 0 0 0 0 0 1 0 0 0 0 1";
+/// From the directions of `infinite` to the Scene's: the image's middle is its -x, and a quarter to the right of that its -y (measured
+/// with 2.11.2).
+pub const ENVIRONMENT: Affine = Affine { rows: [[0.0, -1.0, 0.0, 0.0], [-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0]] };
 
 /// Settings that every scene has, with the reason of each.
 pub const FIXED: &[(&str, &str)] = &[

@@ -8,6 +8,7 @@ use super::names::{
 };
 use crate::files::Sink;
 use crate::formats::shared::camera;
+use crate::formats::shared::images;
 use crate::formats::shared::names::Words;
 use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Xml, XmlComment};
@@ -36,7 +37,8 @@ pub fn emit(version: Version, emission: &Emission<'_>, sink: &mut dyn Sink) -> i
         open(version, &head, out)?;
         description(version, emission, out)?;
         close(out)
-    })
+    })?;
+    images::write_own(scene, version.images(), sink)
 }
 
 fn open(version: Version, head: &str, out: &mut dyn Write) -> io::Result<()> {
@@ -183,18 +185,12 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
     let groups = words.assign(scene.groups.values().map(|group| group.name.as_str()));
     let shapes = words.assign(scene.shapes.values().map(|shape| shape.name.as_str()));
     let textures = words.assign(scene.textures.values().map(|texture| texture.name.as_str()));
-    let images = formats::texture_files(scene);
-    for ((item, id), file) in scene.textures.values().zip(&textures).zip(&images) {
-        // Images of the environment belong to it.
-        if scene
-            .lights
-            .values()
-            .any(|light| light.kind.texture().is_some_and(|used| std::ptr::eq(&scene.textures[used], item)))
-        {
-            continue;
-        }
+    let painted = images::on_surfaces(scene);
+    for ((handle, item), id) in scene.textures.iter().zip(&textures).filter(|((handle, _), _)| painted[handle.index()])
+    {
         comment(&item.name, id, out)?;
-        texture(names, item, id, &format!("{}{file}", emission.textures), out)?;
+        let path = images::path(emission, handle, images::Use::Surface, version.images()).unwrap_or_default();
+        texture(names, item, id, &path, out)?;
     }
     let placed_names: Vec<Cow<'_, str>> =
         scene.instances.values().flat_map(|instance| instance.named().map(|(name, _)| name)).collect();
@@ -224,7 +220,7 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
     for (light, id) in scene.lights.values().zip(&lights) {
         let LightSource { name, kind } = light;
         comment(name, id, out)?;
-        let file = kind.texture().map(|texture| format!("{}{}", emission.textures, images[texture.index()]));
+        let file = images::sky_path(emission, kind, version.images());
         emitter(names, kind, (id, file.as_deref()), out)?;
     }
     for instance in scene.instances.values() {
@@ -291,10 +287,16 @@ fn emitter(names: &Names, kind: &LightKind, (id, image): (&str, Option<&str>), o
         writeln!(out, "\t\t<{tag} name=\"{name}\" x=\"{}\" y=\"{}\" z=\"{}\"/>", Num(x), Num(y), Num(z))
     };
     match kind {
-        LightKind::Environment { radiance: ColorOrTexture::Color(radiance) } => rgb(out, 2, "radiance", radiance)?,
-        LightKind::Environment { radiance: ColorOrTexture::Texture(_) } => {
+        LightKind::Environment { radiance: ColorOrTexture::Color(radiance), tint: _, turn: _ } => {
+            rgb(out, 2, "radiance", radiance)?
+        }
+        LightKind::Environment { radiance: ColorOrTexture::Texture(_), tint, turn } => {
             string(out, 2, "filename", image.unwrap_or_default())?;
-            placed(names, &ENVIRONMENT, 2, out)?;
+            let (scale, _) = images::split(tint.rgb());
+            if scale != 1.0 {
+                float(out, 2, "scale", scale)?;
+            }
+            placed(names, &ENVIRONMENT.then(turn), 2, out)?;
         }
         LightKind::Point { position, intensity } => {
             vector("point", "position", *position, out)?;
@@ -322,7 +324,7 @@ fn emitter(names: &Names, kind: &LightKind, (id, image): (&str, Option<&str>), o
 
 /// An image. Mitsuba's v grows downwards in it (measured with 3.9.1; `Texture2D` and `TMIPMap` of 0.6), so it is mirrored.
 fn texture(names: &Names, texture: &Texture, id: &str, path: &str, out: &mut dyn Write) -> io::Result<()> {
-    let Texture { name: _, file: _, image, encoding } = texture;
+    let Texture { name: _, file: _, image, encoding, peak: _ } = texture;
     writeln!(out, "\t<texture type=\"bitmap\" id=\"{id}\">")?;
     string(out, 2, "filename", path)?;
     string(out, 2, names.filter_type.0, names.filter_type.1)?;

@@ -10,7 +10,7 @@ use super::xml::{self, Defaults, Element, Plugin, Said};
 use crate::diag::Origin;
 use crate::files::VPath;
 use crate::formats::shared::reading::{
-    Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Reading, Surface, Use, View, inverse,
+    Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Reading, Surface, Use, View, inverse, turned,
 };
 use crate::formats::shared::source::{self, INCLUDE_DEPTH, LIMIT, REFERENCE, SYNTAX, Source, Text, shown};
 use crate::ir::{Affine, Filter, normalized};
@@ -347,14 +347,15 @@ impl Reader {
             })
         };
         let light = match plugin.kind() {
-            "constant" => Some(Light::Environment { radiance: Paint::Color(color("radiance", to)) }),
+            "constant" => {
+                Some(Light::Environment { radiance: Paint::Color(color("radiance", to)), turn: Affine::IDENTITY })
+            }
             "envmap" => {
-                if plugin.transform(names.to_world, to) != ENVIRONMENT {
-                    to.say(SYNTAX, plugin.at(), "an image of the environment that lies so is not read");
-                }
+                let turn = turned(&ENVIRONMENT, &plugin.transform(names.to_world, to));
+                let factor = [plugin.float("scale", to).unwrap_or(1.0); 3];
                 let file = scatter::file(plugin, to);
-                let radiance = |file: VPath| Paint::Image { file: file.into(), linear: true, factor: [1.0; 3] };
-                file.map(|file| Light::Environment { radiance: radiance(file) })
+                let radiance = |file: VPath| Paint::Image { file: file.into(), linear: true, factor };
+                file.map(|file| Light::Environment { radiance: radiance(file), turn })
             }
             "point" => {
                 let position = plugin.vector("point", "position", to).unwrap_or([0.0; 3]);

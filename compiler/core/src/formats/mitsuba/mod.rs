@@ -22,6 +22,7 @@ pub const MITSUBA_3: Target = Target {
     supports: |feature| supports(Version::V3, feature),
     conversions: CONVERSIONS,
     bound: conversions::bound,
+    images: names::images_3,
     choices: &[],
     emit: |emission, sink| emit::emit(Version::V3, emission, sink),
     import: Some(|main, source| import::import(Version::V3, main, source)),
@@ -37,6 +38,7 @@ pub const MITSUBA_0_6: Target = Target {
     supports: |feature| supports(Version::V06, feature),
     conversions: CONVERSIONS,
     bound: conversions::bound,
+    images: names::images_0,
     choices: &[],
     emit: |emission, sink| emit::emit(Version::V06, emission, sink),
     import: Some(|main, source| import::import(Version::V06, main, source)),
@@ -52,6 +54,7 @@ pub const MITSUBA_0_5: Target = Target {
     supports: |feature| supports(Version::V05, feature),
     conversions: CONVERSIONS,
     bound: conversions::bound,
+    images: names::images_0,
     choices: &[],
     emit: |emission, sink| emit::emit(Version::V05, emission, sink),
     import: Some(|main, source| import::import(Version::V05, main, source)),
@@ -80,12 +83,13 @@ fn supports(version: Version, feature: Feature) -> Support {
         | Feature::ScatteringEmitter
         | Feature::ColouredEmitter
         | Feature::Environment
-        | Feature::EnvironmentImage
+        | Feature::TurnedEnvironment
         | Feature::PointLight
         | Feature::SpotLight
         | Feature::SoftSpotLight
         | Feature::DirectionalLight
         | Feature::ColouredTexture
+        | Feature::SrgbTexture
         | Feature::LinearTexture
         | Feature::DeepTexture
         | Feature::JpegTexture
@@ -156,6 +160,16 @@ fn supports(version: Version, feature: Feature) -> Support {
             "Mitsuba's algorithms that begin at lights take independent random numbers; these stand for it: the same \
              expected image",
         ),
+        Feature::EnvironmentImage => match version {
+            Version::V05 | Version::V06 => Exact,
+            Version::V3 => Support::approximate(
+                "Mitsuba 3 lays the first and the last row of the image on the poles: it is written anew, with a row between each two \
+                 rows and one at each pole",
+                "exact up to 4096 rows; an image of more stays as it is, off by up to half a row, 0.02 degrees (3.9.1: up to 7 % of \
+                 the radiance round the poles of an image of 32 rows that stays as it is)",
+            ),
+        },
+        Feature::TintedEnvironment => super::TINTED,
         Feature::Spectrum => super::RGB_ONLY,
         Feature::SeveralCameras => super::ONE_CAMERA,
         Feature::GaussianFilter => Support::approximate(

@@ -3,7 +3,8 @@
 //! Where a spelling has no other source it was read in the source of Mitsuba 0.6 (`src/librender`, `src/bsdfs`,
 //! `src/films`), the schema `data/schema/scene.xsd` that it comes with, and the plugin reference of Mitsuba 3.
 
-use crate::ir::{Affine, ColorOrTexture, LightKind};
+use crate::formats::shared::images::{self, Form, Forms, Use};
+use crate::ir::{Affine, ColorOrTexture, LightKind, Texture};
 
 /// A version of the file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +37,14 @@ impl Version {
         }
     }
 
+    /// What it does with images.
+    pub fn images(self) -> Forms {
+        match self {
+            Self::V05 | Self::V06 => images_0,
+            Self::V3 => images_3,
+        }
+    }
+
     /// The names of parameters.
     pub fn names(self) -> &'static Names {
         match self {
@@ -48,8 +57,8 @@ impl Version {
 /// The plugin of a light.
 pub fn emitter(kind: &LightKind) -> &'static str {
     match kind {
-        LightKind::Environment { radiance: ColorOrTexture::Color(_) } => "constant",
-        LightKind::Environment { radiance: ColorOrTexture::Texture(_) } => "envmap",
+        LightKind::Environment { radiance: ColorOrTexture::Color(_), tint: _, turn: _ } => "constant",
+        LightKind::Environment { radiance: ColorOrTexture::Texture(_), tint: _, turn: _ } => "envmap",
         LightKind::Point { position: _, intensity: _ } => "point",
         LightKind::Spot { position: _, target: _, intensity: _, angle: _, inner: _ } => "spot",
         LightKind::Directional { direction: _, irradiance: _ } => "directional",
@@ -59,6 +68,29 @@ pub fn emitter(kind: &LightKind) -> &'static str {
 /// From `envmap`'s directions to the Scene's: its y is up, its +z lies in the middle of the image and its -x a quarter to the right
 /// of that (measured with 3.9.1; `envmap.cpp` of 0.6 has the same formula).
 pub const ENVIRONMENT: Affine = Affine { rows: [[-1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 1.0, 0.0], [0.0, 1.0, 0.0, 0.0]] };
+
+/// The most rows of an image of the environment that is written anew for Mitsuba 3.
+const MOST_ROWS: u32 = 4096;
+
+/// Images of Mitsuba 3: it lays the first row of an environment on one pole and the last one on the other (measured with 3.9.1), so
+/// that images get rows there. A coloured tint is multiplied into the image, the rest is `scale`.
+pub fn images_3(texture: &Texture, purpose: Use) -> Form {
+    match purpose {
+        Use::Sky(tint) if texture.image.height <= MOST_ROWS => Form::Rows(images::split(tint).1),
+        Use::Surface | Use::Sky(_) => images_0(texture, purpose),
+    }
+}
+
+/// Images of Mitsuba 0.x.
+pub fn images_0(_: &Texture, purpose: Use) -> Form {
+    match purpose {
+        Use::Surface => Form::Shared,
+        Use::Sky(tint) => match images::split(tint) {
+            (_, [1.0, 1.0, 1.0]) => Form::Shared,
+            (_, color) => Form::Tinted(color),
+        },
+    }
+}
 
 /// Names of parameters.
 #[derive(Debug)]

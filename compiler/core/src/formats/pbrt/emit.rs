@@ -9,6 +9,7 @@ use super::names::{self, Version};
 use crate::files::Sink;
 use crate::formats::shared::camera;
 use crate::formats::shared::coat::{self, Coat, Mapped};
+use crate::formats::shared::images;
 use crate::formats::shared::names::{Words, file_stem};
 use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Line, Quoted};
@@ -34,7 +35,8 @@ pub fn emit(version: Version, emission: &Emission<'_>, sink: &mut dyn Sink) -> i
     text::file(sink, "description.pbrt", |out| {
         writeln!(out, "# {head}")?;
         description(version, emission, out)
-    })
+    })?;
+    images::write_own(scene, version.images(), sink)
 }
 
 fn settings(version: Version, scene: &Scene, camera: &Camera, out: &mut dyn Write) -> io::Result<()> {
@@ -125,17 +127,15 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
     let materials = Words::default().assign(scene.materials.values().map(|material| material.name.as_str()));
     let files = formats::mesh_files(scene);
     writeln!(out, "WorldBegin\n")?;
-    // None for a texture that cannot be read.
     let ids = Words::default().assign(scene.textures.values().map(|texture| texture.name.as_str()));
     let mut textures = Vec::new();
-    for ((item, id), file) in scene.textures.values().zip(ids).zip(formats::texture_files(scene)) {
-        let readable = names::reads(version, item);
-        if readable {
-            texture(version, item, &id, &format!("{}{file}", emission.textures), out)?;
-        } else {
-            writeln!(out, "# {}", Line(&text::no_texture(&item.name, version.target())))?;
+    let painted = images::on_surfaces(scene);
+    for ((handle, item), id) in scene.textures.iter().zip(ids) {
+        if painted[handle.index()] {
+            let path = images::path(emission, handle, images::Use::Surface, version.images());
+            texture(version, item, &id, &path.unwrap_or_default(), out)?;
         }
-        textures.push(readable.then_some(id));
+        textures.push(id);
     }
     for (item, id) in scene.materials.values().zip(&materials) {
         let Material { name, bsdf } = item;
@@ -147,11 +147,8 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
     for item in scene.lights.values() {
         let LightSource { name, kind } = item;
         writeln!(out, "\n# {}", Line(name))?;
-        let image = kind.texture().map(|texture| {
-            let readable = version == Version::V3 && names::reads(version, &scene.textures[texture]);
-            readable.then(|| format!("{}{}", emission.textures, formats::texture_files(scene)[texture.index()]))
-        });
-        light(version, kind, image.flatten().as_deref(), out)?;
+        let image = images::sky_path(emission, kind, version.images());
+        light(version, kind, image.as_deref().unwrap_or_default(), out)?;
     }
     let surface = |shape: &Shape, out: &mut dyn Write| {
         let Shape { name, mesh, transform, material, emission } = shape;
@@ -194,22 +191,30 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
 /// A light without a surface. v4 divides each of them by the luminance of its white, as it does with emitting surfaces, so
 /// that the numbers pass through as long as there is neither `scale` nor `power` nor `illuminance` (`lights.cpp`, `Create`
 /// of each light). Light of `distant` goes from `from` to `to`, and `L` is the irradiance across it (`Sample_Li`).
-fn light(version: Version, kind: &LightKind, image: Option<&str>, out: &mut dyn Write) -> io::Result<()> {
+fn light(version: Version, kind: &LightKind, image: &str, out: &mut dyn Write) -> io::Result<()> {
     let point = version.names().point;
     match kind {
-        LightKind::Environment { radiance: ColorOrTexture::Texture(_) } => match image {
-            Some(image) => {
-                writeln!(out, "AttributeBegin")?;
-                placed(&names::ENVIRONMENT, out)?;
-                writeln!(out, "\tLightSource \"infinite\" \"string mapname\" [{}]", Quoted(image))?;
-                writeln!(out, "AttributeEnd")
-            }
-            None => {
-                let grey = rgb(&Color::Grey(formats::STAND_IN));
-                writeln!(out, "LightSource \"infinite\" \"rgb L\" [{grey}]")
-            }
-        },
-        LightKind::Environment { radiance: ColorOrTexture::Color(radiance) } => {
+        LightKind::Environment { radiance: ColorOrTexture::Texture(_), tint, turn } => {
+            let tint = tint.rgb();
+            let (file, still, more) = match version {
+                Version::V3 => {
+                    let more =
+                        if tint == [1.0; 3] { String::new() } else { format!(" \"rgb L\" [{}]", Row(&tint, " ")) };
+                    ("mapname", names::ENVIRONMENT, more)
+                }
+                // The image is laid by the Scene's own directions.
+                Version::V4 => {
+                    let (scale, _) = images::split(tint);
+                    let more = if scale == 1.0 { String::new() } else { format!(" \"float scale\" [{}]", Num(scale)) };
+                    ("filename", Affine::IDENTITY, more)
+                }
+            };
+            writeln!(out, "AttributeBegin")?;
+            placed(&still.then(turn), out)?;
+            writeln!(out, "\tLightSource \"infinite\" \"string {file}\" [{}]{more}", Quoted(image))?;
+            writeln!(out, "AttributeEnd")
+        }
+        LightKind::Environment { radiance: ColorOrTexture::Color(radiance), tint: _, turn: _ } => {
             writeln!(out, "LightSource \"infinite\" {}", light_color(version, "L", radiance))
         }
         LightKind::Point { position, intensity } => {
@@ -247,23 +252,14 @@ fn texture(version: Version, texture: &Texture, id: &str, path: &str, out: &mut 
 }
 
 /// A color, or the texture that says it, as the parameter `name`.
-fn paint(version: Version, name: &str, value: &ColorOrTexture, textures: &[Option<String>]) -> String {
+fn paint(version: Version, name: &str, value: &ColorOrTexture, textures: &[String]) -> String {
     match value {
         ColorOrTexture::Color(color) => self::color(version, name, color),
-        ColorOrTexture::Texture(texture) => match &textures[texture.index()] {
-            Some(id) => format!("\"texture {name}\" [\"{id}\"]"),
-            None => format!("\"rgb {name}\" [{}]", rgb(&Color::Grey(formats::STAND_IN))),
-        },
+        ColorOrTexture::Texture(texture) => format!("\"texture {name}\" [\"{}\"]", textures[texture.index()]),
     }
 }
 
-fn material(
-    version: Version,
-    bsdf: &Bsdf,
-    id: &str,
-    textures: &[Option<String>],
-    out: &mut dyn Write,
-) -> io::Result<()> {
+fn material(version: Version, bsdf: &Bsdf, id: &str, textures: &[String], out: &mut dyn Write) -> io::Result<()> {
     let names = version.names();
     let made = format!("MakeNamedMaterial \"{id}\" \"string type\" ");
     match bsdf {
@@ -367,24 +363,22 @@ fn coated(
     map: impl Fn(f64) -> f64,
     version: Version,
     id: &str,
-    textures: &[Option<String>],
+    textures: &[String],
     out: &mut dyn Write,
 ) -> io::Result<String> {
     match coat::mapped(value, &map) {
         Mapped::Color(color) => Ok(format!("\"rgb {name}\" [{}]", rgb(&color))),
-        Mapped::Texture(texture, factor) => match &textures[texture.index()] {
-            None => Ok(format!("\"rgb {name}\" [{}]", rgb(&Color::Grey(map(formats::STAND_IN))))),
-            Some(image) => {
-                let more = match version {
-                    Version::V3 => {
-                        format!("\"texture tex1\" [\"{image}\"] \"rgb tex2\" [{}]", rgb(&Color::Grey(factor)))
-                    }
-                    Version::V4 => format!("\"texture tex\" [\"{image}\"] \"float scale\" [{}]", Num(factor)),
-                };
-                writeln!(out, "Texture \"{id} base\" \"spectrum\" \"scale\" {more}")?;
-                Ok(format!("\"texture {name}\" [\"{id} base\"]"))
-            }
-        },
+        Mapped::Texture(texture, factor) => {
+            let image = &textures[texture.index()];
+            let more = match version {
+                Version::V3 => {
+                    format!("\"texture tex1\" [\"{image}\"] \"rgb tex2\" [{}]", rgb(&Color::Grey(factor)))
+                }
+                Version::V4 => format!("\"texture tex\" [\"{image}\"] \"float scale\" [{}]", Num(factor)),
+            };
+            writeln!(out, "Texture \"{id} base\" \"spectrum\" \"scale\" {more}")?;
+            Ok(format!("\"texture {name}\" [\"{id} base\"]"))
+        }
     }
 }
 

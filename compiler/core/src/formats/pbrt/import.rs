@@ -11,7 +11,7 @@ use super::text::{Broken, Params, Said, Token, Tokens, unescaped};
 use crate::diag::Origin;
 use crate::files::VPath;
 use crate::formats::shared::reading::{
-    Emitted, Front, Item, Light, MeshPlace, MeshSource, Model, Paint, Reading, Surface, Use, View,
+    Emitted, Front, Item, Light, MeshPlace, MeshSource, Model, Paint, Reading, Surface, Use, View, turned,
 };
 use crate::formats::shared::source::{self, INCLUDE_DEPTH, LIMIT, REFERENCE, SYNTAX, Source, Text, number, shown};
 use crate::ir::{Affine, Filter, Meaning, Vec3, cross, normalized, sub};
@@ -438,20 +438,26 @@ impl Reader {
         let place = |name: &str, to: &mut Said<'_, '_, '_>| params.point(point, name, to).map(|at| map.point(at));
         let light = match name {
             "infinite" => {
-                let image = params.string(if self.version == Version::V3 { "mapname" } else { "filename" }, to);
-                let radiance = match image {
-                    None => Paint::Color(self.strength("L", params, to).unwrap_or([1.0; 3])),
+                let (file, still) = match self.version {
+                    Version::V3 => ("mapname", names::ENVIRONMENT),
+                    Version::V4 => ("filename", Affine::IDENTITY),
+                };
+                let (radiance, turn) = match params.string(file, to) {
+                    None => (Paint::Color(self.strength("L", params, to).unwrap_or([1.0; 3])), Affine::IDENTITY),
                     Some(image) => {
-                        if self.version == Version::V4 || map != names::ENVIRONMENT {
-                            to.say(SYNTAX, params.at, "an image of the environment that lies so is not read");
-                        }
-                        match file_of(to, &image) {
-                            Some(file) => Paint::Image { file: file.into(), linear: true, factor: [1.0; 3] },
-                            None => Paint::BLACK,
-                        }
+                        let factor = match self.version {
+                            Version::V3 => self.strength("L", params, to).unwrap_or([1.0; 3]),
+                            Version::V4 => [params.float("scale", to).unwrap_or(1.0); 3],
+                        };
+                        let paint = file_of(to, &image).map_or(Paint::BLACK, |file| Paint::Image {
+                            file: file.into(),
+                            linear: true,
+                            factor,
+                        });
+                        (paint, turned(&still, &map))
                     }
                 };
-                Some(Light::Environment { radiance })
+                Some(Light::Environment { radiance, turn })
             }
             "point" => {
                 let position = place("from", to).unwrap_or(map.point([0.0; 3]));

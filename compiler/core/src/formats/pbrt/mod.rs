@@ -21,7 +21,8 @@ pub const PBRT_V4: Target = Target {
     shares_meshes: true,
     supports: supports_v4,
     conversions: conversions::V4,
-    bound: bounds::of_correlation,
+    images: names::images_v4,
+    bound: conversions::bound_v4,
     choices: &[],
     emit: |emission, sink| emit::emit(Version::V4, emission, sink),
     import: Some(|main, source| import::import(Version::V4, main, source)),
@@ -36,6 +37,7 @@ pub const PBRT_V3: Target = Target {
     shares_meshes: true,
     supports: supports_v3,
     conversions: conversions::V3,
+    images: names::images_v3,
     bound: bounds::of_correlation,
     choices: &[],
     emit: |emission, sink| emit::emit(Version::V3, emission, sink),
@@ -88,9 +90,12 @@ fn supports_v4(feature: Feature) -> Support {
         | Feature::PointLight
         | Feature::SpotLight
         | Feature::DirectionalLight
+        | Feature::TurnedEnvironment
+        | Feature::SrgbTexture
         | Feature::LinearTexture
         | Feature::DeepTexture
         | Feature::JpegTexture
+        | Feature::LinearJpegTexture
         | Feature::ExrTexture
         | Feature::PfmTexture
         | Feature::HdrTexture
@@ -121,9 +126,6 @@ fn supports_v4(feature: Feature) -> Support {
             "pbrt-v4 is always spectral: the colours of an image become smooth spectra",
             "as those of coloured materials: one bounce to 0.1 %, saturated colours differ from the second on",
         ),
-        Feature::LinearJpegTexture => Support::unsupported(
-            "pbrt-v4 decodes JPEG by the sRGB curve in any case (`Image::Read`); a grey stands for it",
-        ),
         Feature::Plastic => Support::approximate(
             "pbrt-v4's `coateddiffuse` follows light between coat and base by chance, over a small distance",
             "not measured; both models count all reflections between coat and base (`LayeredBxDF`)",
@@ -145,9 +147,13 @@ fn supports_v4(feature: Feature) -> Support {
             "pbrt-v4 passes a light's spectrum through, and normalises it: its luminance is written as `scale`",
             "exact but for the steps of both integrals, 1e-4; plastic and principled materials get RGB",
         ),
-        Feature::EnvironmentImage => Support::unsupported(
-            "pbrt-v4 takes square images of an equal-area projection (`imgtool makeequiarea` makes one); a constant grey stands for it",
+        Feature::EnvironmentImage => Support::approximate(
+            "pbrt-v4 takes a square image of an equal-area octahedron and does not interpolate it: the image is written anew so, with \
+             at least twice as many pixels",
+            "the light of each channel is kept to 1e-6, directions to a pixel; within the image as much as it varies over a pixel of \
+             the new one (computed for each scene)",
         ),
+        Feature::TintedEnvironment => super::TINTED,
         Feature::SoftSpotLight => SOFT4,
         Feature::LightTracing => Support::approximate(
             "pbrt-v4's `lightpath` does not show an environment seen directly",
@@ -214,12 +220,17 @@ fn supports_v3(feature: Feature) -> Support {
         | Feature::ScatteringEmitter
         | Feature::ColouredEmitter
         | Feature::Environment
-        | Feature::EnvironmentImage
         | Feature::PointLight
         | Feature::SpotLight
         | Feature::DirectionalLight
         | Feature::ColouredTexture
+        | Feature::TurnedEnvironment
+        | Feature::TintedEnvironment
+        | Feature::SrgbTexture
         | Feature::LinearTexture
+        | Feature::JpegTexture
+        | Feature::LinearJpegTexture
+        | Feature::HdrTexture
         | Feature::ExrTexture
         | Feature::PfmTexture
         | Feature::VertexNormals
@@ -246,6 +257,10 @@ fn supports_v3(feature: Feature) -> Support {
              coarse sphere of 12 by 6 faces 2.3 % too bright, 3.5 % lit from the side, 27 % in the band between light and shadow (pbrt-v3 \
              against pbrt-v4, Mitsuba 3.9.1 and LuxCore 2.11.2); less with finer meshes",
         ),
+        Feature::EnvironmentImage => Support::approximate(
+            "PBRT v3 mixes the rows of an environment's image at its two edges with each other",
+            "half a row of pixels at each pole (`InfiniteAreaLight::Le`: its `MIPMap` repeats); exact elsewhere",
+        ),
         Feature::Texture => Support::approximate(
             "PBRT v3 averages an image over the footprint of a pixel of the film",
             "edges within an image blurred by about a pixel of the film (`MIPMap::Lookup`)",
@@ -254,12 +269,6 @@ fn supports_v3(feature: Feature) -> Support {
             "PBRT v3 reads PNG files with 8 bits",
             "1/510 of full scale before decoding (`ReadImagePNG`)",
         ),
-        Feature::JpegTexture | Feature::LinearJpegTexture => {
-            Support::unsupported("PBRT v3 reads no JPEG (`ReadImage`); a grey stands for it")
-        }
-        Feature::HdrTexture => {
-            Support::unsupported("PBRT v3 reads no Radiance HDR (`ReadImage`); a grey stands for it")
-        }
         Feature::Plastic => Support::approximate(
             "PBRT v3's `substrate` does not darken its base: what is seen of the base is written instead",
             "a base of 0.5 seen at 0, 60 and 80 degrees has 0.97, 0.80, 0.90 of Mitsuba's albedo at `alpha` 0, 0.99, 0.79, 0.74 at \

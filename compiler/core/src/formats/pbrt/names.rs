@@ -5,6 +5,7 @@
 //! pbrt-v4.
 
 use crate::formats::shared::camera;
+use crate::formats::shared::images::{self, Form, Forms, Use};
 use crate::ir::{Affine, Encoding, Film, ImageFormat, Texture};
 
 /// A version of the file format.
@@ -22,6 +23,14 @@ impl Version {
         match self {
             Self::V3 => "pbrt-v3",
             Self::V4 => "pbrt-v4",
+        }
+    }
+
+    /// What it does with images.
+    pub fn images(self) -> Forms {
+        match self {
+            Self::V3 => images_v3,
+            Self::V4 => images_v4,
         }
     }
 
@@ -108,14 +117,28 @@ static V4: Names = Names {
     plain_roughness: "\"bool remaproughness\" [false]",
 };
 
-/// Whether a version reads an image as it is meant: v3 reads PNG, OpenEXR and PFM (`ReadImage` of `imageio.cpp`; TGA beside
-/// them); v4 all formats, and takes JPEG as sRGB whatever the file says (`Image::Read` of `image.cpp`).
-pub fn reads(version: Version, texture: &Texture) -> bool {
-    match (version, texture.image.format) {
-        (_, ImageFormat::Png | ImageFormat::Exr | ImageFormat::Pfm) | (Version::V4, ImageFormat::Hdr) => true,
-        (Version::V4, ImageFormat::Jpeg) => texture.encoding == Encoding::Srgb,
-        (Version::V3, ImageFormat::Jpeg | ImageFormat::Hdr) => false,
+/// What a version does with an image: v3 reads PNG, OpenEXR and PFM (`ReadImage` of `imageio.cpp`; TGA beside them); v4 all formats,
+/// takes JPEG as sRGB whatever the file says (`Image::Read` of `image.cpp`), and an environment as an octahedron.
+pub fn images(version: Version, texture: &Texture, purpose: Use) -> Form {
+    match (version, purpose, texture.image.format) {
+        (Version::V4, Use::Sky(tint), _) => Form::Octahedral(images::split(tint).1),
+        (_, _, ImageFormat::Png | ImageFormat::Exr | ImageFormat::Pfm) | (Version::V4, _, ImageFormat::Hdr) => {
+            Form::Shared
+        }
+        (Version::V4, _, ImageFormat::Jpeg) if texture.encoding == Encoding::Srgb => Form::Shared,
+        (_, _, ImageFormat::Jpeg) => Form::Png,
+        (Version::V3, _, ImageFormat::Hdr) => Form::Pfm,
     }
+}
+
+/// The same for v3.
+pub fn images_v3(texture: &Texture, purpose: Use) -> Form {
+    images(Version::V3, texture, purpose)
+}
+
+/// The same for v4.
+pub fn images_v4(texture: &Texture, purpose: Use) -> Form {
+    images(Version::V4, texture, purpose)
 }
 
 /// `Texture "imagemap"`: how pixels are decoded, and looked up between their middles. v3 averages over an ellipse (its only other

@@ -6,6 +6,7 @@ pub mod camera;
 pub mod coat;
 pub mod filter;
 pub mod fresnel;
+pub mod images;
 pub mod microfacet;
 pub mod names;
 pub mod number;

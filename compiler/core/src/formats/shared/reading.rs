@@ -82,6 +82,11 @@ pub fn inverse(map: &Affine) -> Option<Affine> {
     Some(Affine { rows })
 }
 
+/// How an image of the environment is turned that a format places by `map`, when `still` is what it writes for one that is not turned.
+pub fn turned(still: &Affine, map: &Affine) -> Affine {
+    inverse(still).unwrap_or(Affine::IDENTITY).then(map)
+}
+
 /// A material.
 #[derive(Clone, Debug)]
 pub struct Surface {
@@ -325,10 +330,12 @@ pub enum Item {
 /// A light without a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Light {
-    /// From everywhere; an image lies as the Scene says.
+    /// From everywhere.
     Environment {
         /// Radiance.
         radiance: Paint,
+        /// From the directions of an image as the Scene has them to those in which it is seen.
+        turn: Affine,
     },
     /// From a point into all directions.
     Point {
@@ -363,7 +370,7 @@ impl Light {
     /// The constructor of the language for such a light.
     pub fn word(&self) -> &'static str {
         match self {
-            Self::Environment { radiance: _ } => "environment",
+            Self::Environment { radiance: _, turn: _ } => "environment",
             Self::Point { position: _, intensity: _ } => "point",
             Self::Spot { position: _, direction: _, intensity: _, angle: _, inner: _ } => "spot",
             Self::Directional { direction: _, irradiance: _ } => "directional",

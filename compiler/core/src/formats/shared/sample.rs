@@ -1,9 +1,10 @@
 //! Scenes for the tests of the formats.
 
 use crate::diag::Origin;
+use crate::image::{self, Pixels, write};
 use crate::ir::{
-    Affine, Arena, Bsdf, Camera, Color, Documentation, Emission, Film, Filter, Group, Handle, Instance, Integrator,
-    Material, Mesh, Places, Sampler, Scene, Shape, Vec3, cross, normalized, sub,
+    Affine, Arena, Bsdf, Camera, Color, Documentation, Emission, Encoding, Film, Filter, Group, Handle, ImageFormat,
+    Instance, Integrator, Material, Mesh, Places, Sampler, Scene, Shape, Texture, Vec3, cross, normalized, sub,
 };
 use crate::mesh::Geometry;
 
@@ -150,4 +151,21 @@ pub fn grid() -> Scene {
     let lamp = quads(&mut scene, "lamp", &[[[-1.0, 1.0, 9.0], [1.0, 1.0, 9.0], [1.0, -1.0, 9.0], [-1.0, -1.0, 9.0]]]);
     shape(&mut scene, "lamp", lamp, black, Some(Emission { radiance: Color::Grey(30.0) }));
     scene
+}
+
+/// A small image of a format: 4 x 2 pixels, in JPEG 16 x 16.
+pub fn image(name: &str, format: ImageFormat, encoding: Encoding) -> Texture {
+    let values = (0..4 * 2 * 3).map(|at| at as f32 / 32.0).collect();
+    let pixels = Pixels { width: 4, height: 2, channels: 3, values };
+    let bytes = match format {
+        ImageFormat::Png => write::png(&pixels, 8),
+        ImageFormat::Jpeg => Ok(include_bytes!("../../../../../tests/cases/images/quads.jpg").to_vec()),
+        ImageFormat::Exr => write::exr(&pixels, write::Depth::Full),
+        ImageFormat::Pfm => Ok(write::pfm(&pixels)),
+        ImageFormat::Hdr => {
+            Ok([&b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n"[..], &b"\x80\x40\x20\x81".repeat(8)].concat())
+        }
+    };
+    let loaded = image::load(format.ending(), &bytes.expect("an image"), 1 << 20).expect("an image");
+    Texture { name: name.to_owned(), file: loaded.file, image: loaded.info, encoding, peak: loaded.peak }
 }

@@ -3,6 +3,7 @@
 
 use std::io::{self, Write};
 
+use super::shared::images;
 use super::shared::number::{Num, Row};
 use super::shared::text::{self, Head, Line};
 use super::{Emission, STAND_IN, Target, mesh_files};
@@ -22,6 +23,7 @@ pub const TOY: Target = Target {
     shares_meshes: true,
     supports,
     conversions: &[(Feature::Camera, "half the angle of view")],
+    images: images::all_shared,
     bound: |_, _| None,
     choices: &[],
     emit,
@@ -64,12 +66,15 @@ fn supports(feature: Feature) -> Support {
         Feature::SeveralCameras => super::ONE_CAMERA,
         Feature::Environment
         | Feature::EnvironmentImage
+        | Feature::TurnedEnvironment
+        | Feature::TintedEnvironment
         | Feature::PointLight
         | Feature::SpotLight
         | Feature::SoftSpotLight
         | Feature::DirectionalLight
         | Feature::Texture
         | Feature::ColouredTexture
+        | Feature::SrgbTexture
         | Feature::LinearTexture
         | Feature::DeepTexture
         | Feature::JpegTexture

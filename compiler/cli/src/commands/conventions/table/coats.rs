@@ -86,6 +86,22 @@ pub(super) const ROWS: &[Convention] = &[
         ]
     ),
     convention!(
+        "textured_plastic",
+        &[Feature::TexturedPlastic],
+        &[
+            View { name: "of 0.2", ..View::plain(&[under(|| coated(0.2, 1.5, 0.0))]) },
+            View { name: "of 0.8", set: LIGHT, ..View::plain(&[under(|| coated(0.8, 1.5, 0.0))]) },
+        ]
+    ),
+    convention!(
+        "textured_principled",
+        &[Feature::TexturedPrincipled],
+        &[
+            View { name: "of 0.2", ..View::plain(&[over(0.2)]) },
+            View { name: "of 0.8", set: LIGHT, ..View::plain(&[over(0.8)]) },
+        ]
+    ),
+    convention!(
         "spectrum",
         &[Feature::Spectrum],
         &[
@@ -99,6 +115,20 @@ pub(super) const ROWS: &[Convention] = &[
 const HALF_0: &[(&str, &str)] = &[("metallic", "0.5"), ("roughness", "0.5"), ("turn", "0deg")];
 const HALF_60: &[(&str, &str)] = &[("metallic", "0.5"), ("roughness", "0.5"), ("turn", "60deg")];
 const HALF_80: &[(&str, &str)] = &[("metallic", "0.5"), ("roughness", "0.5"), ("turn", "80deg")];
+
+const LIGHT: &[(&str, &str)] = &[("file", "\"images/light.png\"")];
+
+const fn under(formula: fn() -> f64) -> Check {
+    albedo(Expected::Formula(formula), TEXTURED_PLASTIC)
+}
+
+const fn over(value: f64) -> Check {
+    albedo(Expected::Reference { value, by: MITSUBA }, TEXTURED_PRINCIPLED)
+}
+
+const TEXTURED_PLASTIC: &[Known] = &[];
+
+const TEXTURED_PRINCIPLED: &[Known] = &[];
 
 /// 500 000 samples: a standard error below 0.1 %.
 const fn smooth(formula: fn() -> f64) -> Check {

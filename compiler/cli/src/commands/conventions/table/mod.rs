@@ -6,6 +6,7 @@ mod conductors;
 mod emission;
 mod glass;
 mod groups;
+mod images;
 mod lights;
 mod shading;
 
@@ -33,6 +34,7 @@ const FAMILIES: &[&[Convention]] = &[
     glass::ROWS,
     coats::ROWS,
     shading::ROWS,
+    images::ROWS,
     groups::ROWS,
 ];
 
