@@ -23,6 +23,8 @@ pub(super) const ROW: Driver = Driver {
     asks_named: false,
     precision: EXACT,
     test_scene: &[("scene.py", include_str!("test_scenes/cycles.py"))],
+    wavelengths: None,
+    failures: &[],
     hints: &[
         ("MemoryError", "it ran out of memory; make the image or the meshes smaller"),
         ("ShaderNodeBsdfMetallic", "this Blender has no metals with `eta` and `k`; 4.3 is the first that has"),

@@ -26,6 +26,8 @@ pub(super) const ROW: Driver = Driver {
         ("emitter.ply", include_str!("test_scenes/emitter.ply")),
         ("surface.ply", include_str!("test_scenes/surface.ply")),
     ],
+    wavelengths: None,
+    failures: &[],
     hints: &[
         ("Unable to read PLY", "a mesh is missing; emit the folder again and keep it together"),
         ("File not found", "a file is missing; emit the folder again and keep it together"),

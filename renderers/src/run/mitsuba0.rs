@@ -39,6 +39,9 @@ const ROW: Driver = Driver {
     asks_named: true,
     test_scene: &[],
     precision: EXACT,
+    wavelengths: None,
+    // Its program ends with code 0 when the job of rendering has thrown (`renderjob.cpp`).
+    failures: &["caught exception", "did not complete successfully"],
     hints: &[
         (
             "error while loading shared libraries",

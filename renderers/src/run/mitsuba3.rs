@@ -32,6 +32,8 @@ pub(super) const ROW: Driver = Driver {
         ("emitter.ply", include_str!("test_scenes/emitter.ply")),
         ("surface.ply", include_str!("test_scenes/surface.ply")),
     ],
+    wavelengths: None,
+    failures: &[],
     hints: &[
         (
             "Cannot select: fminimum",

@@ -14,6 +14,8 @@ mod mitsuba3;
 mod pbrt;
 mod pbrt3;
 mod pbrt4;
+mod pbrt_r3;
+mod pbrt_r4;
 pub(crate) mod process;
 mod render;
 mod rs_pbrt;
@@ -39,6 +41,8 @@ pub const DRIVERS: &[&Driver] = &[
     &mitsuba3::ROW,
     &luxcore::ROW,
     &cycles::ROW,
+    &pbrt_r4::ROW,
+    &pbrt_r3::ROW,
     &rs_pbrt::ROW,
     &pbrt4::ROW,
     &pbrt3::ROW,
@@ -77,6 +81,11 @@ pub struct Driver {
     pub test_scene: &'static [(&'static str, &'static str)],
     /// The largest relative error of a directly seen colour in the image that the driver hands over.
     pub precision: f32,
+    /// Of a renderer that computes with wavelengths, drawn anew for each sample: the standard deviation that they alone give
+    /// a sample of constant white, in red, green, blue and in the mean of the three, as a share.
+    pub wavelengths: Option<[f64; 4]>,
+    /// Texts of lines that tell that it has failed, for programs that end with code 0 all the same.
+    pub failures: &'static [&'static str],
     /// Texts of the log that tell a known cause, each with what to do about it.
     pub hints: &'static [(&'static str, &'static str)],
     /// Asks an executable for its version; the reason if it has none.
@@ -143,6 +152,10 @@ pub struct Crate {
     pub program: &'static str,
     /// The oldest cargo and compiler, 1.x, that can build it.
     pub oldest: u32,
+    /// What else `cargo install` is given.
+    pub flags: &'static [&'static str],
+    /// Variables of the environment in which it is built.
+    pub environment: &'static [(&'static str, &'static str)],
 }
 
 /// The precision of drivers that hand over the numbers of their renderer (measured with the test scene: they are exact).

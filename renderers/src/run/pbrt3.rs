@@ -17,6 +17,8 @@ pub(super) const ROW: Driver = Driver {
     asks_named: true,
     test_scene: &[],
     precision: EXACT,
+    wavelengths: None,
+    failures: &[],
     hints: &[
         ("No such file or directory", "a file is missing; emit the folder again and keep it together"),
         ("Unable to open", "a file is missing; emit the folder again and keep it together"),

@@ -18,6 +18,8 @@ pub(super) const ROW: Driver = Driver {
     asks_named: true,
     test_scene: &[],
     precision: EXACT,
+    wavelengths: Some(pbrt::FOUR_WAVELENGTHS),
+    failures: &[],
     hints: &[
         ("No such file or directory", "a file is missing; emit the folder again and keep it together"),
         ("unused parameter", "this version does not know a parameter in the file; emit the scene for `pbrt-v4`"),

@@ -176,6 +176,28 @@ fn mitsuba_0_finds_its_libraries_and_leaves_nothing() {
     assert!(stage.fails().to_string().contains("no parameter `samples`"));
 }
 
+/// The program ends with code 0 then, and may leave an image of what it had.
+#[test]
+fn mitsuba_0_fails_where_it_says_so_whatever_its_code() {
+    let line = "2026-06-01 12:00:00 WARN  ren0 [RenderJob] Rendering of scene \"scene.xml\" did not complete successfully, \
+                caught exception: Unable to open the file \"floor.ply\"";
+    let stage = Stage::new("mitsuba-0.6", "mitsuba", MITSUBA, &format!("{MITSUBA6}\necho '{line}'; exit 0"));
+    write_exr(&stage.path("image.exr"), &picture(), &Provenance::default()).expect("an image");
+    let error = stage.fails();
+    assert_eq!(error.to_string(), format!("`mitsuba-0.6` failed: {line}"));
+    assert!(error.hint().contains("a file is missing"), "{}", error.hint());
+    let other = Stage::new(
+        "mitsuba-0.5",
+        "mitsuba",
+        MITSUBA,
+        &MITSUBA6.replace("0.6.0", "0.5.0").replace(
+            "cp \"$stage",
+            "echo 'WARN [RenderJob] Rendering of scene \"a\" did not complete successfully!' >&2; : \"$stage",
+        ),
+    );
+    assert!(other.fails().to_string().ends_with("did not complete successfully!"), "{}", other.fails());
+}
+
 fn exposures(stage: &Stage, picture: &Image) {
     write_exposures(&stage.path("png"), picture);
 }

@@ -189,12 +189,15 @@ impl Watch {
 fn judge(request: &RenderRequest, end: End, gathered: &Gathered, log: &Path) -> Result<(), RenderError> {
     let driver = request.driver;
     match end {
-        End::Exited(status) if status.success() => Ok(()),
         End::Exited(status) => {
+            let confessed = confession(driver, log);
+            if status.success() && confessed.is_none() {
+                return Ok(());
+            }
             let missing =
                 [("No module named", "this Python lacks the renderer; `ltsc renderers install` makes a private copy")];
             let hints: Vec<_> = missing.iter().chain(driver.hints).copied().collect();
-            let message = gathered.message.clone();
+            let message = gathered.message.clone().or(confessed);
             Err(RenderError::failed(driver.name, &hints, status, message, log))
         }
         End::TimedOut => Err(RenderError::TimedOut {
@@ -205,6 +208,15 @@ fn judge(request: &RenderRequest, end: End, gathered: &Gathered, log: &Path) -> 
         }),
         End::Cancelled => Err(RenderError::Cancelled),
     }
+}
+
+/// The first line near the end of the log by which the driver's program tells that it has failed.
+fn confession(driver: &Driver, log: &Path) -> Option<String> {
+    if driver.failures.is_empty() {
+        return None;
+    }
+    let told = |line: &String| driver.failures.iter().any(|text| line.contains(text));
+    tail(log, super::error::CAUSES).into_iter().find(told)
 }
 
 fn no_image(driver: &'static Driver, message: String, log: &Path) -> RenderError {

@@ -22,7 +22,7 @@ pub(super) const ROW: Driver = Driver {
     main_file: "scene.pbrt",
     version: "0.9.12",
     // The newest of its locked dependencies, clap 4.4.18, asks for Rust 1.70.
-    installation: Installation::Cargo(Crate { name: "rs_pbrt", program: "rs_pbrt", oldest: 70 }),
+    installation: Installation::Cargo(Crate { name: "rs_pbrt", program: "rs_pbrt", oldest: 70, flags: &[], environment: &[] }),
     programs: &["rs_pbrt"],
     asks_named: true,
     test_scene: &[
@@ -32,6 +32,8 @@ pub(super) const ROW: Driver = Driver {
     ],
     // Of a scene as small as the test scene; larger images have 1.1 %.
     precision: 0.0055,
+    wavelengths: None,
+    failures: &[],
     hints: &[
         ("unsuccessful parse", "it cannot parse a file; emit the folder again for `pbrt-v3`"),
         ("No such file or directory", "a file is missing; emit the folder again and keep it together"),

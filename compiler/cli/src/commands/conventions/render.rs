@@ -43,8 +43,8 @@ impl Runner {
         Ok(Self { driver, found, threads, timeout, env, cache })
     }
 
-    /// Emits the scene into a folder that is gone afterwards, and renders it.
-    pub fn image(&self, scene: &Valid) -> Result<Result<Rendered, RenderError>, Failure> {
+    /// Emits the scene into a folder that is gone afterwards, and renders it with so many samples per pixel.
+    pub fn image(&self, scene: &Valid, samples: u32) -> Result<Result<Rendered, RenderError>, Failure> {
         let target = project::target(self.driver.target)?;
         let failed = |error: std::io::Error| Failure::new(Exit::Environment, format!("no temporary folder: {error}"));
         let work = tempfile::Builder::new().prefix("ltsc-conventions-").tempdir().map_err(failed)?;
@@ -61,7 +61,7 @@ impl Runner {
             env: self.env.clone(),
             cache: self.cache.clone(),
             main_file: self.driver.main_file.replace("SCENE", &scene.name),
-            samples: scene.sampler.samples(),
+            samples,
             seed: scene.sampler.seed(),
             threads: Some(self.threads),
             timeout: Some(self.timeout),

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::judge::{Verdict, deviation, judge};
 use super::kinds::{Check, Convention, Expected, Measure, View};
-use super::{ideal, measure, scene};
+use super::{ideal, measure, noise, scene};
 use crate::disk::write_atomically;
 use crate::output::{Exit, Failure};
 
@@ -110,16 +110,17 @@ impl Asked {
         (self.convention.name, self.view.name, check.name) == (&row.convention, &row.view, &row.check)
     }
 
-    /// The row of a check for what was measured with a renderer, or the reason why nothing was.
+    /// The row of the check at `at` for what was measured with a renderer, or the reason why nothing was.
     pub fn row(
         &self,
-        check: &Check,
-        expected: f64,
+        at: usize,
         (driver, target): (&Driver, &Target),
         measured: Result<Option<f64>, String>,
     ) -> Row {
+        let (check, expected) = (&self.view.checks[at], self.expected[at]);
         let (bound, relative) = check.tolerance.parts();
-        let bound = rounded(bound + step(driver) * if relative { 1.0 } else { expected.abs() });
+        let step = step(driver) * if relative { 1.0 } else { expected.abs() };
+        let bound = rounded(bound + step + noise::left(driver, self, at));
         let (measured, (verdict, because)) = match measured {
             Ok(measured) => {
                 let measured = measured.map(rounded);

@@ -5,7 +5,9 @@ mod emit;
 pub mod import;
 pub mod names;
 mod scatter;
+mod spectral;
 mod text;
+mod uplift;
 
 use super::Target;
 use super::shared::bounds;
@@ -21,7 +23,7 @@ pub const PBRT_V4: Target = Target {
     shares_meshes: true,
     supports: supports_v4,
     conversions: conversions::V4,
-    bound: bounds::of_correlation,
+    bound: spectral::bound,
     choices: &[],
     emit: |emission, sink| emit::emit(Version::V4, emission, sink),
     import: Some(|main, source| import::import(Version::V4, main, source)),

@@ -95,6 +95,9 @@ impl Known<'_> {
             (Version::V4, "coateddiffuse") => {
                 let base = self.paint("reflectance", 0.5, params, to);
                 let ior = params.float("eta", to).unwrap_or(1.5);
+                if params.float("thickness", to) != Some(0.0) {
+                    to.say(SYNTAX, params.at, "a coat with a `thickness` other than 0 is not read: its layer absorbs light");
+                }
                 Some(Model::Coated { base, inside: Inside::Base, ior, alpha: self.alpha(0.0, params, to) })
             }
             (Version::V4, "mix") => self.mix(params, to),
