@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Driver, EXACT, Installation, Job, Packages, Plan, RenderError, script};
+use super::{Driver, Installation, Job, Packages, Plan, RenderError, script};
 
 pub(super) const ROW: Driver = Driver {
     name: "luxcore",
@@ -19,7 +19,6 @@ pub(super) const ROW: Driver = Driver {
     }),
     programs: &[],
     asks_named: false,
-    precision: EXACT,
     test_scene: &[
         ("scene.cfg", include_str!("test_scenes/luxcore.cfg")),
         ("scene.scn", include_str!("test_scenes/luxcore.scn")),

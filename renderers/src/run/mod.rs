@@ -3,7 +3,6 @@
 //! A driver takes an emitted folder as it is and sets only seed, samples and threads.
 
 mod bar;
-pub(crate) mod brackets;
 mod cycles;
 mod emitted;
 mod error;
@@ -18,7 +17,6 @@ mod pbrt_r3;
 mod pbrt_r4;
 pub(crate) mod process;
 mod render;
-mod rs_pbrt;
 pub(crate) mod script;
 
 use std::path::{Path, PathBuf};
@@ -43,7 +41,6 @@ pub const DRIVERS: &[&Driver] = &[
     &cycles::ROW,
     &pbrt_r4::ROW,
     &pbrt_r3::ROW,
-    &rs_pbrt::ROW,
     &pbrt4::ROW,
     &pbrt3::ROW,
     &mitsuba0::ROW_06,
@@ -79,8 +76,6 @@ pub struct Driver {
     pub asks_named: bool,
     /// The smallest scene that shows whether an installation works; see [`TEST_SCENE`]. Empty where nothing is installed.
     pub test_scene: &'static [(&'static str, &'static str)],
-    /// The largest relative error of a directly seen colour in the image that the driver hands over.
-    pub precision: f32,
     /// Of a renderer that computes with wavelengths, drawn anew for each sample: the standard deviation that they alone give
     /// a sample of constant white, in red, green, blue and in the mean of the three, as a share.
     pub wavelengths: Option<[f64; 4]>,
@@ -158,9 +153,6 @@ pub struct Crate {
     pub environment: &'static [(&'static str, &'static str)],
 }
 
-/// The precision of drivers that hand over the numbers of their renderer (measured with the test scene: they are exact).
-pub(crate) const EXACT: f32 = 1e-4;
-
 /// Width, height and samples of all test scenes, and what they show: a constant environment of
 /// radiance 1 behind two squares. The upper left quarter is an emitter of radiance (1, 2, 4). The
 /// lower right quarter is a diffuse surface of reflectance (0.5, 0.25, 0.125), and has just that
@@ -191,7 +183,7 @@ pub struct RenderRequest {
     /// Seed. Count from 0: different seeds give images without common random numbers, and those so
     /// large that this could not be kept are refused (Mitsuba has 16384 seeds at 128 by 128 pixels,
     /// 1024 at 512 by 512). Equal seeds give the same image where the renderer can do that. A renderer without seeds
-    /// (rs_pbrt, pbrt-v3, Mitsuba 0.x) refuses any but 0.
+    /// (pbrt-v3, pbrt-r3, Mitsuba 0.x) refuses any but 0.
     pub seed: u32,
     /// Threads; all processors if nothing is said.
     pub threads: Option<usize>,
@@ -290,6 +282,8 @@ pub(crate) struct Job<'a> {
 pub(crate) struct Plan {
     pub command: Command,
     pub delivery: Delivery,
+    /// What is known of the image before it is there; see [`Rendered::facts`].
+    pub facts: Vec<(String, String)>,
 }
 
 /// How a renderer hands its image over.
@@ -298,8 +292,6 @@ pub(crate) enum Delivery {
     Events,
     /// As one image file, whose samples are those of the request; the function understands lines of its output.
     File(PathBuf, Listener),
-    /// By several runs, of which the plan has the first.
-    Series(Box<dyn Series>, Listener),
 }
 
 /// Understands a line of a renderer's output.
@@ -312,15 +304,4 @@ pub(crate) enum Said {
     Part(f64),
     /// How long the rendering took, in seconds.
     Took(f64),
-}
-
-/// Several runs that give one image.
-pub(crate) trait Series {
-    /// Takes in what a run has left; gives the next command, or nothing when the image is whole. An error says what is
-    /// wrong, such as "left no image".
-    fn next(&mut self) -> Result<Option<Command>, String>;
-    /// How many runs there will be, as far as is known, at least as many as there have been.
-    fn expected(&self) -> usize;
-    /// The image, and the facts of [`Rendered`].
-    fn finish(self: Box<Self>) -> Result<(Image, Vec<(String, String)>), String>;
 }

@@ -1,4 +1,4 @@
-//! What the drivers of PBRT and of rs_pbrt have in common: settings, and how programs tell their version.
+//! What the drivers of PBRT and of its ports have in common: settings, and how programs tell their version.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -36,7 +36,8 @@ pub(super) fn banner(executable: &Path) -> Result<(u32, String), String> {
         (End::Exited(_), Some(text)) => {
             let digits = text.bytes().take_while(u8::is_ascii_digit).count();
             let major = text[..digits].parse().map_err(|_| format!("it says version `{text}`"))?;
-            Ok((major, text.split(" [").next().unwrap_or_default().to_owned()))
+            // "4 (built Jun 10 2026 at 12:00:00)": the minute of the build is no version.
+            Ok((major, text.split([' ', '[']).next().unwrap_or_default().to_owned()))
         }
         (End::Exited(_), None) => {
             Err(format!("it does not say `pbrt version`: {}", tail.first().map_or("it says nothing", String::as_str)))
@@ -130,49 +131,6 @@ pub(super) fn samples(job: &Job<'_>) -> Result<Vec<(PathBuf, String)>, RenderErr
     })
 }
 
-/// The film of a scene, to which a parameter can be given.
-pub(super) struct Film {
-    path: PathBuf,
-    head: String,
-    rest: String,
-    parameter: &'static str,
-}
-
-impl Film {
-    /// The one film of the emitted folder, whose files may have been changed.
-    pub(super) fn find(
-        job: &Job<'_>,
-        changed: &[(PathBuf, String)],
-        parameter: &'static str,
-    ) -> Result<Self, RenderError> {
-        let refuse = |message: String| RenderError::Request {
-            message,
-            hint: format!("emit the scene for the target `{}` again", job.request.driver.target),
-        };
-        let mut films = emitted::texts(job.folder, "pbrt").filter_map(|(path, text)| {
-            let text = changed.iter().find(|(file, _)| *file == path).map_or(text, |(_, text)| text.clone());
-            let (_, end) = directive(&text, "Film")?;
-            Some((path, text, end))
-        });
-        let (Some((path, text, end)), None) = (films.next(), films.next()) else {
-            return Err(refuse(format!(
-                "not one file beside `{}` has a `Film`, but none or several",
-                job.main.display()
-            )));
-        };
-        if text.contains(&format!("\"float {parameter}\"")) {
-            return Err(refuse(format!("`{}` sets `{parameter}` itself", path.display())));
-        }
-        Ok(Self { path, head: text[..end].to_owned(), rest: text[end..].to_owned(), parameter })
-    }
-
-    /// The file of the film and its text with this value; numbers are written without exponent.
-    pub(super) fn with(&self, value: f32) -> (PathBuf, String) {
-        let Self { path, head, rest, parameter } = self;
-        (path.clone(), format!("{head} \"float {parameter}\" [{value}]{rest}"))
-    }
-}
-
 /// Where the directive at the start of a line begins, and where its type ends, behind the quote.
 pub(super) fn directive(text: &str, name: &str) -> Option<(usize, usize)> {
     let mut at = 0;
@@ -236,7 +194,10 @@ mod tests {
         let more = with_parameter(TEXT, "Sampler", None, seed);
         assert_eq!(more, TEXT.replace("Sampler  \"random\"", "Sampler  \"random\" \"integer seed\" [3]"));
         assert_eq!(with_parameter(TEXT, "Integrator", Some("sppm"), seed), TEXT);
-        assert!(with_parameter(TEXT, "Integrator", Some("mlt"), seed).contains("\"mlt\" \"integer seed\" [3] \"integer mut"));
+        assert!(
+            with_parameter(TEXT, "Integrator", Some("mlt"), seed)
+                .contains("\"mlt\" \"integer seed\" [3] \"integer mut")
+        );
         assert_eq!(value_of("Sampler \"a\" \"integer n\" [x]", "Sampler", "n"), None);
     }
 }

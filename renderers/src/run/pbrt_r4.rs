@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use super::{Crate, Delivery, Driver, EXACT, Installation, Job, Plan, RenderError, bar, emitted, pbrt};
+use super::{Crate, Delivery, Driver, Installation, Job, Plan, RenderError, bar, emitted, pbrt};
 
 pub(super) const ROW: Driver = Driver {
     name: "pbrt-r4",
@@ -32,7 +32,6 @@ pub(super) const ROW: Driver = Driver {
         ("emitter.ply", include_str!("test_scenes/emitter.ply")),
         ("surface.ply", include_str!("test_scenes/surface.ply")),
     ],
-    precision: EXACT,
     wavelengths: Some(pbrt::FOUR_WAVELENGTHS),
     failures: &[" ERROR] "],
     hints: pbrt::PORT_HINTS,
@@ -60,7 +59,7 @@ fn plan(job: &Job<'_>) -> Result<Plan, RenderError> {
     command.args(["--texture-cache", "off"]);
     command.arg("--spp").arg(job.request.samples.to_string());
     command.arg("--outfile").arg(&image).arg(main).current_dir(job.scratch);
-    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses) })
+    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses), facts: Vec::new() })
 }
 
 /// It has no option for the seed: what draws random numbers is told in the file (`IndependentSampler::create` and its like,

@@ -18,6 +18,21 @@ pub fn dielectric(cosine: f64, n: f64) -> f64 {
     f64::midpoint(across * across, along * along)
 }
 
+/// The albedo of a smooth coat of index `n` over a diffuse base, seen at an angle: what the coat reflects, and what of the base
+/// passes it after any number of reflections between the two.
+pub fn coat(degrees: f64, base: f64, n: f64) -> f64 {
+    const STEPS: usize = 10_000;
+    let step = std::f64::consts::FRAC_PI_2 / STEPS as f64;
+    // The mean over the hemisphere, of which a cosine to its normal has the share 2 cos sin.
+    let outside: f64 = (0..STEPS)
+        .map(|at| (at as f64 + 0.5) * step)
+        .map(|angle| dielectric(angle.cos(), n) * (2.0 * angle).sin() * step)
+        .sum();
+    let inside = 1.0 - (1.0 - outside) / (n * n);
+    let seen = dielectric(degrees.to_radians().cos(), n);
+    seen + (1.0 - seen) * base * (1.0 - inside) / (1.0 - base * inside)
+}
+
 /// The share of light that passes a slab of index `n`, all reflections in it counted: with R at each face, (1 - R)^2 (1 + R^2 + R^4
 /// + ...) = (1 - R) / (1 + R).
 pub fn slab(degrees: f64, n: f64) -> f64 {

@@ -2,7 +2,7 @@
 
 use ltsc_render::run::Driver;
 
-use super::kinds::{Channel, Measure, Tolerance};
+use super::kinds::{Axis, Channel, Measure, Tolerance};
 use super::measure::pixels;
 use super::results::Asked;
 
@@ -26,11 +26,9 @@ pub fn samples(driver: &Driver, asked: &Asked) -> u32 {
     let film = &asked.scene.film;
     let pixels = f64::from(film.width) * f64::from(film.height);
     let enough = |at: usize| {
-        let check = &asked.view.checks[at];
-        let (bound, relative) = check.tolerance.parts();
-        let share = if relative { bound } else { bound / asked.expected[at] };
-        let needed = (ERRORS * deviation(driver, asked, at) / share).powi(2);
-        if needed.is_finite() { needed / measured_pixels(asked, at) } else { 0.0 }
+        let (bound, _) = asked.view.checks[at].tolerance.parts();
+        let (deviation, measured) = deviation(driver, asked, at);
+        (ERRORS * deviation / bound).powi(2) / measured
     };
     let needed = (0..asked.view.checks.len()).map(enough).fold(0.0, f64::max);
     let affordable = (MOST / pixels).max(f64::from(plain));
@@ -40,45 +38,55 @@ pub fn samples(driver: &Driver, asked: &Asked) -> u32 {
 
 /// What noise of wavelengths is left in the check, in the unit of its tolerance: nothing for other renderers.
 pub fn left(driver: &Driver, asked: &Asked, at: usize) -> f64 {
-    let taken = f64::from(samples(driver, asked)) * measured_pixels(asked, at);
-    let share = ERRORS * deviation(driver, asked, at) / taken.sqrt();
-    match asked.view.checks[at].tolerance {
-        Tolerance::Share(bound) => (share - bound).max(0.0),
-        Tolerance::Plain(bound) => (share * asked.expected[at].abs() - bound).max(0.0),
-    }
+    let (bound, _) = asked.view.checks[at].tolerance.parts();
+    let (deviation, measured) = deviation(driver, asked, at);
+    let taken = f64::from(samples(driver, asked)) * measured;
+    (ERRORS * deviation / taken.sqrt() - bound).max(0.0)
 }
 
-/// The standard deviation of a sample by its wavelengths, as a share of what is measured; 0 where that is none or no mean.
-fn deviation(driver: &Driver, asked: &Asked, at: usize) -> f64 {
-    let (Some(wavelengths), Measure::Mean(region, channel)) = (driver.wavelengths, asked.view.checks[at].measure) else {
-        return 0.0;
+/// The standard deviation that wavelengths alone give a check of one sample in each pixel that counts, in the unit of its
+/// tolerance, and how many pixels count.
+fn deviation(driver: &Driver, asked: &Asked, at: usize) -> (f64, f64) {
+    const NONE: (f64, f64) = (0.0, 1.0);
+    let Some(wavelengths) = driver.wavelengths else { return NONE };
+    let own = |channel: Channel| {
+        wavelengths[match channel {
+            Channel::Red => 0,
+            Channel::Green => 1,
+            Channel::Blue => 2,
+            Channel::All => 3,
+        }]
     };
+    let film = &asked.scene.film;
+    let size = (film.width as usize, film.height as usize);
+    let check = &asked.view.checks[at];
     let value = asked.expected[at];
-    if value <= 0.0 {
-        return 0.0;
-    }
-    let others = asked.view.checks.iter().zip(&asked.expected).filter_map(|(check, value)| match check.measure {
-        Measure::Mean(other, _) if other == region => Some(*value),
-        Measure::Mean(..) | Measure::Covered(..) | Measure::Middle(..) | Measure::Shift(_) => None,
-    });
-    let brightest = others.fold(value, f64::max);
-    let own = wavelengths[match channel {
-        Channel::Red => 0,
-        Channel::Green => 1,
-        Channel::Blue => 2,
-        Channel::All => 3,
-    }];
-    let spilled = if brightest > value { SPILLED * brightest / value } else { 0.0 };
-    own.hypot(spilled)
-}
-
-fn measured_pixels(asked: &Asked, at: usize) -> f64 {
-    let size = (asked.scene.film.width as usize, asked.scene.film.height as usize);
-    match asked.view.checks[at].measure {
-        Measure::Mean(region, _) => {
+    match check.measure {
+        Measure::Mean(region, channel) if value > 0.0 => {
             let (columns, rows) = pixels(&region, size);
-            (columns.len() * rows.len()) as f64
+            let others =
+                asked.view.checks.iter().zip(&asked.expected).filter_map(|(check, value)| match check.measure {
+                    Measure::Mean(other, _) if other == region => Some(*value),
+                    Measure::Mean(..) | Measure::Covered(..) | Measure::Middle(..) | Measure::Shift(_) => None,
+                });
+            let brightest = others.fold(value, f64::max);
+            let spilled = if brightest > value { SPILLED * brightest / value } else { 0.0 };
+            let share = own(channel).hypot(spilled);
+            let unit = match check.tolerance {
+                Tolerance::Share(_) => share,
+                Tolerance::Plain(_) => share * value,
+            };
+            (unit, (columns.len() * rows.len()) as f64)
         }
-        Measure::Covered(..) | Measure::Middle(..) | Measure::Shift(_) => (size.0 * size.1) as f64,
+        // A quarter of the side away lies light of other colors; a sixteenth of the image has light.
+        Measure::Middle(channel, axis) => {
+            let side = match axis {
+                Axis::X => film.width,
+                Axis::Y => film.height,
+            };
+            let pixels = f64::from(film.width) * f64::from(film.height) / 16.0;
+            (f64::from(side) / 4.0 * own(channel).hypot(3.0 * SPILLED), pixels)
+        }
+        Measure::Mean(..) | Measure::Covered(..) | Measure::Shift(_) => NONE,
     }
 }

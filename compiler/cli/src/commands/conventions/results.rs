@@ -111,16 +111,10 @@ impl Asked {
     }
 
     /// The row of the check at `at` for what was measured with a renderer, or the reason why nothing was.
-    pub fn row(
-        &self,
-        at: usize,
-        (driver, target): (&Driver, &Target),
-        measured: Result<Option<f64>, String>,
-    ) -> Row {
+    pub fn row(&self, at: usize, (driver, target): (&Driver, &Target), measured: Result<Option<f64>, String>) -> Row {
         let (check, expected) = (&self.view.checks[at], self.expected[at]);
         let (bound, relative) = check.tolerance.parts();
-        let step = step(driver) * if relative { 1.0 } else { expected.abs() };
-        let bound = rounded(bound + step + noise::left(driver, self, at));
+        let bound = rounded(bound + noise::left(driver, self, at));
         let (measured, (verdict, because)) = match measured {
             Ok(measured) => {
                 let measured = measured.map(rounded);
@@ -142,15 +136,6 @@ impl Asked {
         }
     }
 }
-
-/// How well the numbers of a renderer's image are known, as a share: rs_pbrt writes 8 bits, which its driver reads at several
-/// exposures; half of what lies between two codes is at most 1.1 % (`renderers/src/run/brackets.rs`).
-fn step(driver: &Driver) -> f64 {
-    if driver.precision > COARSE { 0.011 } else { 0.0 }
-}
-
-/// Drivers that hand numbers over as they are have a smaller precision than this.
-const COARSE: f32 = 1e-3;
 
 /// The folder of stored results below that of the pages.
 pub fn folder(pages: &Path) -> PathBuf {

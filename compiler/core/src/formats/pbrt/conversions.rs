@@ -34,7 +34,11 @@ pub const V3: &[(Feature, &str)] = &[
 pub const V4: &[(Feature, &str)] = &[
     (Feature::SmoothDielectric, RELATIVE),
     (Feature::RoughDielectric, RELATIVE),
-    SPOT,
+    (
+        Feature::SpotLight,
+        "coneangle = angle, conedeltaangle = angle - inner, at least 0.1 with photon mapping; an edge below 0.1 degrees makes `lightsampler` \
+         `power`",
+    ),
     (Feature::Spectrum, "scale of a light = its luminance, which v4 divides by"),
     CAMERA,
     (Feature::Path, DEPTH),

@@ -360,12 +360,13 @@ fn material(
     }
 }
 
-/// v4's coat over a diffuse base: its type and parameters. The layer between them, 0.01 by default, absorbs light even where
-/// there is no medium in it (measured: 0.3045 instead of 0.3160 head-on).
+/// v4's coat over a diffuse base: its type and parameters.
 fn coat_over(base: &str, ior: f64, alpha: f64) -> String {
     let plain = Version::V4.names().plain_roughness;
-    let (ior, alpha) = (Num(ior), Num(alpha));
-    format!("[\"coateddiffuse\"] {base} \"float eta\" [{ior}] \"float roughness\" [{alpha}] {plain} \"float thickness\" [0]")
+    let (ior, alpha, thickness) = (Num(ior), Num(alpha), Num(names::THICKNESS));
+    format!(
+        "[\"coateddiffuse\"] {base} \"float eta\" [{ior}] \"float roughness\" [{alpha}] {plain} \"float thickness\" [{thickness}]"
+    )
 }
 
 /// A color through `map` as the parameter `name`; a texture through a factor, as a texture of its own that is written here.

@@ -1,6 +1,6 @@
 //! How far pbrt-v4, which is always spectral, lies from RGB for the colors of one scene.
 
-use super::uplift::{Light, Values, given, in_daylight, reflectance, unbounded};
+use super::uplift::{Light, TABLE, Values, given, in_daylight, reflectance, unbounded};
 use crate::capability::{Bound, Feature};
 use crate::formats::shared::bounds::{self, metals};
 use crate::formats::shared::fresnel;
@@ -59,7 +59,7 @@ fn of_products(scene: &Scene, wanted: impl Fn(bool, usize) -> bool) -> Option<Bo
             if exact[channel] <= BLACK * brightest {
                 continue;
             }
-            let size = (found[channel] / exact[channel] - 1.0).abs();
+            let size = (found[channel] / exact[channel] - 1.0).abs() + TABLE * brightest / exact[channel];
             if worst.as_ref().is_none_or(|Bound { size: known, what: _ }| size > *known) {
                 let way = match chain {
                     [] => "seen directly".to_owned(),
@@ -200,13 +200,20 @@ mod tests {
     fn one_reflection_of_white_light_is_met_and_others_are_not() {
         let size = |feature, scene: &Scene| bound(feature, scene).map(|Bound { size, what: _ }| size);
         let white = room([1.0; 3], [0.63, 0.065, 0.05], 2);
-        assert!(size(Feature::ColouredDiffuse, &white).is_some_and(|size| size < 3e-3), "{:?}", bound(Feature::ColouredDiffuse, &white));
+        assert!(
+            size(Feature::ColouredDiffuse, &white).is_some_and(|size| size < 0.025),
+            "{:?}",
+            bound(Feature::ColouredDiffuse, &white)
+        );
         assert_eq!(size(Feature::ColouredEmitter, &white), None);
         let twice = bound(Feature::ColouredDiffuse, &room([1.0; 3], [0.63, 0.065, 0.05], 3)).expect("a bound");
         assert!(twice.size > 0.5 && twice.what.contains("after `wall` and `wall`"), "{twice:?}");
-        // Measured: 79 % of the blue light (`point_light`).
+        // Measured: 79 % of the blue light (`point_light`); the table adds a little.
         let point = bound(Feature::ColouredEmitter, &room([100.0, 50.0, 10.0], [0.8, 0.4, 0.2], 2)).expect("a bound");
-        assert!((point.size - 0.79).abs() < 0.01 && point.what.contains("blue light of `lamp` after `wall`"), "{point:?}");
+        assert!(
+            (0.79..0.87).contains(&point.size) && point.what.contains("blue light of `lamp` after `wall`"),
+            "{point:?}"
+        );
         assert_eq!(size(Feature::ColouredDiffuse, &room([1.0; 3], [0.5; 3], 6)), None);
     }
 

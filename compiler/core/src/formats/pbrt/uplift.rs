@@ -3,8 +3,7 @@
 //! A reflectance becomes S(c0 x^2 + c1 x + c2) with S(x) = 1/2 + x / (2 sqrt(1 + x^2)) of the wavelength x in 0..1, the one whose
 //! color in D65 is nearest in CIELAB (Jakob and Hanika, A Low-Dimensional Function Space for Efficient Spectral Upsampling,
 //! 2019). Light is D65 times twice its largest channel times the spectrum of the rest, an index of refraction the same
-//! without D65 (`RGBIlluminantSpectrum`, `RGBUnboundedSpectrum`). pbrt-v4 looks coefficients up in a table, which is off by up to 1 %
-//! for saturated colors.
+//! without D65 (`RGBIlluminantSpectrum`, `RGBUnboundedSpectrum`). pbrt-v4 looks coefficients up in a table instead; see [`TABLE`].
 
 use std::sync::OnceLock;
 
@@ -14,6 +13,10 @@ use crate::ir::{Color, Meaning, Spectrum};
 const COUNT: usize = 95;
 const FIRST: f64 = 360.0;
 const STEP: f64 = 5.0;
+
+/// How far the table of pbrt-v4 lies beside the nearest spectrum, as a share of the brightest channel: reflectances and lamps of
+/// eight colors, saturated ones among them, were off by up to 0.0013 (pbrt-r4 4.5.2).
+pub const TABLE: f64 = 0.0015;
 
 /// A value for each wavelength.
 pub type Values = [f64; COUNT];
@@ -195,8 +198,8 @@ mod tests {
     #[test]
     fn colors_are_met_in_daylight() {
         for rgb in [[0.5, 0.2, 0.1], [0.1, 0.5, 0.15], [0.05, 0.1, 0.6], [0.8, 0.4, 0.2], [0.3; 3]] {
-            near(in_daylight(&reflectance(rgb)), rgb, 2e-4);
-            near(Light::of(&Color::Rgb(rgb.map(|c| 40.0 * c))).after([].into_iter()), rgb.map(|c| 40.0 * c), 8e-3);
+            near(in_daylight(&reflectance(rgb)), rgb, 1e-6);
+            near(Light::of(&Color::Rgb(rgb.map(|c| 40.0 * c))).after([].into_iter()), rgb.map(|c| 40.0 * c), 1e-4);
         }
     }
     /// The program itself, of June 2026: the micro-scenes `point_light`, `directional_light` and `environment_light`, whose floor

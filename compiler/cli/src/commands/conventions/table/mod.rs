@@ -1,6 +1,7 @@
 //! The table of conventions, by what they are about. Each has one scene in `compiler/cli/conventions`; a test compares.
 
 mod camera;
+mod coats;
 mod conductors;
 mod emission;
 mod glass;
@@ -23,8 +24,16 @@ macro_rules! convention {
 use convention;
 
 /// All conventions by family, in the order in which they are shown.
-const FAMILIES: &[&[Convention]] =
-    &[camera::ROWS, emission::ROWS, lights::ROWS, conductors::ROWS, glass::ROWS, shading::ROWS, groups::ROWS];
+const FAMILIES: &[&[Convention]] = &[
+    camera::ROWS,
+    emission::ROWS,
+    lights::ROWS,
+    conductors::ROWS,
+    glass::ROWS,
+    coats::ROWS,
+    shading::ROWS,
+    groups::ROWS,
+];
 
 /// All conventions.
 pub fn all() -> impl Iterator<Item = &'static Convention> {
