@@ -19,6 +19,7 @@ mod mutations;
 mod outputs;
 mod page_cases;
 mod pages;
+mod ports;
 mod pre_commit;
 mod render;
 mod similar;
