@@ -9,7 +9,7 @@ fn there(name: &str) -> bool {
     let ran = run(ltsc().args(["renderers", "list", "--format", "json"]));
     let list: serde_json::Value = serde_json::from_str(&ran.out).expect("JSON");
     let all = list["renderers"].as_array().expect("a list");
-    all.iter().any(|one| one["name"] == name && matches!(one["status"].as_str(), Some("installed" | "external")))
+    all.iter().any(|one| one["name"] == name && matches!(one["status"].as_str(), Some("installed" | "found")))
 }
 
 fn scene() -> PathBuf {

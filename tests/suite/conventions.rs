@@ -54,7 +54,9 @@ fn wrong_usage_is_told_with_a_hint() {
 /// The quickest ones, of each kind of verdict: all are done in a few seconds.
 #[test]
 fn renderers_hold_what_they_are_said_to_hold() {
-    for (renderer, holds) in [("mitsuba-3", true), ("luxcore", false), ("cycles", false)] {
+    for (renderer, holds) in
+        [("mitsuba-3", true), ("luxcore", false), ("cycles", false), ("pbrt-r4", true), ("pbrt-r3", true)]
+    {
         let env = Env::of_process();
         let driver = driver(renderer).expect("a driver");
         let found = status(driver, CachePaths::find(&env).as_ref(), &env);

@@ -21,6 +21,7 @@ mod mutations;
 mod outputs;
 mod page_cases;
 mod pages;
+mod ports;
 mod pre_commit;
 mod render;
 mod scale;

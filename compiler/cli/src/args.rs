@@ -342,7 +342,7 @@ pub struct Audit {
 pub struct Render {
     /// The scene file.
     pub scene: PathBuf,
-    /// The renderer, as `ltsc renderers list` names it: `mitsuba-3`, `luxcore`, `cycles`, `rs-pbrt`, `pbrt-v4`, `pbrt-v3`,
+    /// The renderer, as `ltsc renderers list` names it: `mitsuba-3`, `luxcore`, `cycles`, `pbrt-r4`, `pbrt-r3`, `pbrt-v4`, `pbrt-v3`,
     /// `mitsuba-0.6`, `mitsuba-0.5`.
     #[arg(long, value_name = "NAME")]
     pub renderer: String,
@@ -497,7 +497,7 @@ pub enum RenderersAction {
     },
     /// Install a pinned version into a private folder of the user's cache; nothing else of the system is touched.
     #[command(
-        after_help = "Example:\n  ltsc renderers install mitsuba-3 luxcore\n\nmitsuba-3, luxcore and cycles are packages of Python, rs-pbrt is built by cargo (two minutes). The folder is $LTSC_CACHE, else the cache folder of the user; an interrupted installation is continued."
+        after_help = "Example:\n  ltsc renderers install mitsuba-3 luxcore\n\nmitsuba-3, luxcore and cycles are packages of Python, pbrt-r4 and pbrt-r3 are built by cargo (about ten minutes each). The folder is $LTSC_CACHE, else the cache folder of the user; an interrupted installation is continued."
     )]
     Install {
         /// The renderers.
@@ -511,7 +511,7 @@ pub enum RenderersAction {
 
 #[derive(Args, Debug)]
 pub struct Conventions {
-    /// The renderers, as `ltsc renderers list` names them: `mitsuba-3`, `luxcore`, `cycles`, `rs-pbrt`, ...
+    /// The renderers, as `ltsc renderers list` names them: `mitsuba-3`, `luxcore`, `cycles`, `pbrt-r4`, ...
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub renderer: Vec<String>,
     /// Only these conventions.

@@ -25,7 +25,8 @@ pub(super) fn make(
     let build = site.folder.join("build");
     let mut command = Command::new(&cargo);
     command.args(["install", source.name, "--bin", source.program, "--locked", "--force", "--version"]);
-    command.arg(format!("={}", driver.version)).arg("--root").arg(root(site.folder));
+    command.arg(format!("={}", driver.version)).args(source.flags).arg("--root").arg(root(site.folder));
+    command.envs(source.environment.iter().copied());
     // Kept when it is interrupted, so that the next attempt goes on from there.
     command.env("CARGO_TARGET_DIR", &build);
     command.env("CARGO_TERM_COLOR", "never").env("CARGO_TERM_PROGRESS_WHEN", "never");

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use super::*;
-use crate::image::Image;
+use crate::image::{Image, Provenance, write_exr};
 use crate::run::driver;
 
 /// A folder with a cache, and a Python that the request will find on the path.
@@ -202,14 +202,14 @@ if [ -e "$stage/offline" ]; then echo 'error: failed to download: could not reso
 mkdir -p "$CARGO_TARGET_DIR/release"
 while [ "$1" != --root ]; do shift; done
 mkdir -p "$2/bin"
-cat > "$2/bin/rs_pbrt" <<END
+cat > "$2/bin/pbrt-r3" <<END
 #!/bin/sh
-echo 'rs_pbrt version 0.9.12 (unknown) [Detected 2 cores]'
+echo 'pbrt-r3 3.2.0'
 if [ "\$1" = --version ]; then exit 0; fi
-scale=\$(sed -n 's/^Film "image" "float scale" \[\([^]]*\)\].*/\1/p' copy/scene/scene.pbrt)
-cp "$stage/png/\$scale.png" pbrt.png
+while [ "\$1" != --outfile ]; do shift; done
+cp "$stage/image.exr" "\$2"
 END
-chmod +x "$2/bin/rs_pbrt"
+chmod +x "$2/bin/pbrt-r3"
 "#;
 
 #[cfg(unix)]
@@ -219,29 +219,29 @@ fn a_crate_is_built_in_the_folder_of_its_version() {
     let bin = stage.folder.path().join("bin");
     fs::rename(bin.join("python3"), bin.join("cargo")).expect("rename");
     fs::write(bin.join("cargo"), format!("#!/bin/sh\n{FAKE_CARGO}")).expect("write");
-    stage.request.driver = driver("rs-pbrt").expect("a driver");
+    stage.request.driver = driver("pbrt-r3").expect("a driver");
     let place = |name: &str| stage.folder.path().join(name);
-    fs::write(place("version"), "1.69.0").expect("write");
-    crate::run::brackets::tests::write_exposures(&place("png"), &expected());
+    fs::write(place("version"), "1.79.0").expect("write");
+    write_exr(&place("image.exr"), &expected(), &Provenance::default()).expect("an image");
     let error = stage.install().expect_err("too old");
-    assert_eq!(error.to_string(), "no cargo was found that `rs-pbrt` can be built with");
-    assert!(error.tail()[0].contains("1.69.0, and 1.70 is needed"), "{:?}", error.tail());
+    assert_eq!(error.to_string(), "no cargo was found that `pbrt-r3` can be built with");
+    assert!(error.tail()[0].contains("1.79.0, and 1.80 is needed"), "{:?}", error.tail());
 
     fs::write(place("version"), "1.95.0").expect("write");
     fs::write(place("offline"), "").expect("write");
     let error = stage.install().expect_err("no network");
-    assert_eq!(error.to_string(), "building the sources for `rs-pbrt` failed with exit code 101");
+    assert_eq!(error.to_string(), "building the sources for `pbrt-r3` failed with exit code 101");
     assert!(error.hint().contains("network"), "{}", error.hint());
     fs::remove_file(place("offline")).expect("remove");
 
-    let root = stage.request.cache.renderer("rs-pbrt", "0.9.12");
+    let root = stage.request.cache.renderer("pbrt-r3", "3.2.0");
     let installed = stage.install().expect("it works");
-    assert_eq!((installed.version.as_str(), &installed.path), ("0.9.12", &root.join("root/bin/rs_pbrt")));
-    let call = "install rs_pbrt --bin rs_pbrt --locked --force --version =0.9.12 --root";
+    assert_eq!((installed.version.as_str(), &installed.path), ("3.2.0", &root.join("root/bin/pbrt-r3")));
+    let call = "install pbrt-r3 --bin pbrt-r3 --locked --force --version =3.2.0 --root";
     let last = format!("{call} {} in {}", root.join("root").display(), root.join("build").display());
     assert_eq!(stage.calls().lines().last(), Some(last.as_str()));
     assert!(!root.join("build").exists() && root.join(MARKER).exists());
-    assert_eq!(stage.status(), Status::Installed { path: installed.path.clone(), version: "0.9.12".to_owned() });
+    assert_eq!(stage.status(), Status::Installed { path: installed.path.clone(), version: "3.2.0".to_owned() });
     assert!(stage.install().expect("it is there").already);
     uninstall(stage.request.driver, &stage.request.cache).expect("delete");
     assert_eq!(stage.status(), Status::NotInstalled);
@@ -272,11 +272,11 @@ fn markers_of_older_versions_are_read() {
 
 #[test]
 fn verification_refuses_every_kind_of_wrong_image() {
-    assert_eq!(verify::judge(&expected(), 1e-4), Ok(()));
+    assert_eq!(verify::judge(&expected(), [1e-4; 3]), Ok(()));
     let change = |index: usize, pixel: [f32; 3]| {
         let mut image = expected();
         image.pixels[index] = pixel;
-        verify::judge(&image, 1e-4).is_err()
+        verify::judge(&image, [1e-4; 3]).is_err()
     };
     // Emitter, environment and surface, wrong or not a number.
     assert!(change(0, [1.0, 2.0, 4.01]));

@@ -24,14 +24,6 @@ pub(super) fn plusses(line: &str) -> Option<Said> {
     Some(Said::Part(done as f64 / bar.len() as f64))
 }
 
-/// The bar of the crate `pbr`: `12 / 64 [====>---] 18.75 % 5.12/s 10s`.
-pub(super) fn counted(line: &str) -> Option<Said> {
-    let (done, rest) = line.trim_start().split_once(" / ")?;
-    let (total, _) = rest.split_once(" [")?;
-    let (done, total): (u32, u32) = (done.parse().ok()?, total.parse().ok()?);
-    (total > 0 && done <= total).then(|| Said::Part(f64::from(done) / f64::from(total)))
-}
-
 /// Mitsuba 0.x, whose log ends with `Render time: 1.2345s` in a unit of its own choice (`timeString` in `util.cpp`).
 pub(super) fn mitsuba(line: &str) -> Option<Said> {
     let Some((_, time)) = line.split_once("Render time: ") else { return plusses(line) };
@@ -60,18 +52,13 @@ mod tests {
         assert_eq!(plusses("Rendering: [+++ ]  (1.5s|0.5s)  "), Some(Said::Part(0.75)));
         assert_eq!(plusses("Rendering: [++++]  (3.5s)       "), Some(Said::Took(3.5)));
         assert_eq!(plusses("Rendering: [++++] (3.5s, ETA: 0s)  "), Some(Said::Part(1.0)));
-        assert_eq!(counted("12 / 64 [====>---] 18.75 % 5.12/s 10s "), Some(Said::Part(0.1875)));
-        assert_eq!(counted("64 / 64 [====] 100.00 % 5.12/s Writing image"), Some(Said::Part(1.0)));
     }
 
     #[test]
     fn other_lines_tell_nothing() {
-        for line in
-            ["", "Building BVH: [++  ]", "Rendering: [", "Rendering: []", "Rendering: [abc]", "a / b [", "1 / 0 ["]
-        {
-            assert_eq!((plusses(line), counted(line)), (None, None), "{line}");
+        for line in ["", "Building BVH: [++  ]", "Rendering: [", "Rendering: []", "Rendering: [abc]"] {
+            assert_eq!(plusses(line), None, "{line}");
         }
-        assert_eq!(counted("3 / 2 [=]"), None);
     }
 
     #[test]

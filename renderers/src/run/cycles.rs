@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::process::{End, Lines};
-use super::{Driver, EXACT, Installation, Job, Packages, Plan, RenderError, script};
+use super::{Driver, Installation, Job, Packages, Plan, RenderError, script};
 
 pub(super) const ROW: Driver = Driver {
     name: "cycles",
@@ -21,8 +21,9 @@ pub(super) const ROW: Driver = Driver {
     }),
     programs: &["blender"],
     asks_named: false,
-    precision: EXACT,
     test_scene: &[("scene.py", include_str!("test_scenes/cycles.py"))],
+    wavelengths: None,
+    failures: &[],
     hints: &[
         ("MemoryError", "it ran out of memory; make the image or the meshes smaller"),
         ("ShaderNodeBsdfMetallic", "this Blender has no metals with `eta` and `k`; 4.3 is the first that has"),

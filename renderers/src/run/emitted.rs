@@ -33,8 +33,8 @@ pub(super) fn texts(folder: &Path, ending: &'static str) -> impl Iterator<Item =
     paths.into_iter().filter_map(|path| fs::read_to_string(&path).ok().map(|text| (path, text)))
 }
 
-/// Makes `<scratch>/copy/scene` look like the emitted folder, but for the changed files. Other files are links where the
-/// system has them. Gives the new main file. Called again, it changes the files again.
+/// Makes `<scratch>/copy/scene` look like the emitted folder, but for the changed files. Other files but the main one are links
+/// where the system has them. Gives the new main file. Called again, it changes the files again.
 pub(super) fn copy(job: &Job<'_>, changed: &[(PathBuf, String)]) -> Result<PathBuf, RenderError> {
     let place = job.scratch.join("copy");
     let scene = place.join("scene");
@@ -44,7 +44,10 @@ pub(super) fn copy(job: &Job<'_>, changed: &[(PathBuf, String)]) -> Result<PathB
         for entry in fs::read_dir(job.folder).map_err(failed)? {
             let path = entry.map_err(failed)?.path();
             let name = path.file_name().unwrap_or_default();
-            if !changed.iter().any(|(file, _)| file.file_name() == Some(name)) {
+            if path == job.main {
+                // pbrt-r4 and pbrt-r3 follow a link first, and look for what the file includes beside its target.
+                fs::copy(&path, scene.join(name)).map_err(failed)?;
+            } else if !changed.iter().any(|(file, _)| file.file_name() == Some(name)) {
                 link(&path, &scene.join(name)).map_err(failed)?;
             }
         }

@@ -165,6 +165,8 @@ impl fmt::Display for RenderError {
                 let Failure { driver, code, signal, message, .. } = failure.as_ref();
                 match (code, signal) {
                     (_, Some(signal)) => write!(f, "`{driver}` was ended by signal {signal}")?,
+                    // It tells a failure in words only.
+                    (Some(0), None) => write!(f, "`{driver}` failed")?,
                     (Some(code), None) => write!(f, "`{driver}` failed with exit code {code}")?,
                     (None, None) => write!(f, "`{driver}` failed")?,
                 }

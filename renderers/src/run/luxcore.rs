@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::{Driver, EXACT, Installation, Job, Packages, Plan, RenderError, script};
+use super::{Driver, Installation, Job, Packages, Plan, RenderError, script};
 
 pub(super) const ROW: Driver = Driver {
     name: "luxcore",
@@ -19,13 +19,14 @@ pub(super) const ROW: Driver = Driver {
     }),
     programs: &[],
     asks_named: false,
-    precision: EXACT,
     test_scene: &[
         ("scene.cfg", include_str!("test_scenes/luxcore.cfg")),
         ("scene.scn", include_str!("test_scenes/luxcore.scn")),
         ("emitter.ply", include_str!("test_scenes/emitter.ply")),
         ("surface.ply", include_str!("test_scenes/surface.ply")),
     ],
+    wavelengths: None,
+    failures: &[],
     hints: &[
         ("Unable to read PLY", "a mesh is missing; emit the folder again and keep it together"),
         ("File not found", "a file is missing; emit the folder again and keep it together"),

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::process::{End, Lines};
-use super::{Delivery, Driver, EXACT, Installation, Job, Plan, RenderError, bar, emitted, script};
+use super::{Delivery, Driver, Installation, Job, Plan, RenderError, bar, emitted, script};
 
 pub(super) const ROW_06: Driver = Driver {
     name: "mitsuba-0.6",
@@ -38,7 +38,9 @@ const ROW: Driver = Driver {
     programs: &["mitsuba", "mitsuba0"],
     asks_named: true,
     test_scene: &[],
-    precision: EXACT,
+    wavelengths: None,
+    // Its program ends with code 0 when the job of rendering has thrown (`renderjob.cpp`).
+    failures: &["caught exception", "did not complete successfully"],
     hints: &[
         (
             "error while loading shared libraries",
@@ -131,5 +133,5 @@ fn plan(job: &Job<'_>) -> Result<Plan, RenderError> {
     }
     // It writes a log of its own into the working directory.
     command.arg("-o").arg(&image).arg(job.main).current_dir(job.scratch);
-    Ok(Plan { command, delivery: Delivery::File(image, bar::mitsuba) })
+    Ok(Plan { command, delivery: Delivery::File(image, bar::mitsuba), facts: Vec::new() })
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::process::{End, Lines};
-use super::{Delivery, Driver, EXACT, Installation, Job, Packages, Plan, RenderError, emitted, script};
+use super::{Delivery, Driver, Installation, Job, Packages, Plan, RenderError, emitted, script};
 
 /// The variant that every installation has and that needs nothing else. The `llvm_*` variants are
 /// about five times faster, but a wrong LLVM library ends the process at the first image (14 to 16
@@ -26,12 +26,13 @@ pub(super) const ROW: Driver = Driver {
     }),
     programs: &["mitsuba"],
     asks_named: false,
-    precision: EXACT,
     test_scene: &[
         ("scene.xml", include_str!("test_scenes/mitsuba3.xml")),
         ("emitter.ply", include_str!("test_scenes/emitter.ply")),
         ("surface.ply", include_str!("test_scenes/surface.ply")),
     ],
+    wavelengths: None,
+    failures: &[],
     hints: &[
         (
             "Cannot select: fminimum",
@@ -124,7 +125,7 @@ fn plan_program(job: &Job<'_>, variant: &str, streams: &Streams) -> Result<Plan,
         .arg(&image)
         .arg(job.main)
         .current_dir(job.scratch);
-    Ok(Plan { command, delivery: Delivery::File(image, |_| None) })
+    Ok(Plan { command, delivery: Delivery::File(image, |_| None), facts: Vec::new() })
 }
 
 /// Which random streams the passes of each seed use.

@@ -3,7 +3,6 @@
 //! A driver takes an emitted folder as it is and sets only seed, samples and threads.
 
 mod bar;
-pub(crate) mod brackets;
 mod cycles;
 mod emitted;
 mod error;
@@ -14,9 +13,10 @@ mod mitsuba3;
 mod pbrt;
 mod pbrt3;
 mod pbrt4;
+mod pbrt_r3;
+mod pbrt_r4;
 pub(crate) mod process;
 mod render;
-mod rs_pbrt;
 pub(crate) mod script;
 
 use std::path::{Path, PathBuf};
@@ -39,7 +39,8 @@ pub const DRIVERS: &[&Driver] = &[
     &mitsuba3::ROW,
     &luxcore::ROW,
     &cycles::ROW,
-    &rs_pbrt::ROW,
+    &pbrt_r4::ROW,
+    &pbrt_r3::ROW,
     &pbrt4::ROW,
     &pbrt3::ROW,
     &mitsuba0::ROW_06,
@@ -75,8 +76,11 @@ pub struct Driver {
     pub asks_named: bool,
     /// The smallest scene that shows whether an installation works; see [`TEST_SCENE`]. Empty where nothing is installed.
     pub test_scene: &'static [(&'static str, &'static str)],
-    /// The largest relative error of a directly seen colour in the image that the driver hands over.
-    pub precision: f32,
+    /// Of a renderer that computes with wavelengths, drawn anew for each sample: the standard deviation that they alone give
+    /// a sample of constant white, in red, green, blue and in the mean of the three, as a share.
+    pub wavelengths: Option<[f64; 4]>,
+    /// Texts of lines that tell that it has failed, for programs that end with code 0 all the same.
+    pub failures: &'static [&'static str],
     /// Texts of the log that tell a known cause, each with what to do about it.
     pub hints: &'static [(&'static str, &'static str)],
     /// Asks an executable for its version; the reason if it has none.
@@ -143,10 +147,11 @@ pub struct Crate {
     pub program: &'static str,
     /// The oldest cargo and compiler, 1.x, that can build it.
     pub oldest: u32,
+    /// What else `cargo install` is given.
+    pub flags: &'static [&'static str],
+    /// Variables of the environment in which it is built.
+    pub environment: &'static [(&'static str, &'static str)],
 }
-
-/// The precision of drivers that hand over the numbers of their renderer (measured with the test scene: they are exact).
-pub(crate) const EXACT: f32 = 1e-4;
 
 /// Width, height and samples of all test scenes, and what they show: a constant environment of
 /// radiance 1 behind two squares. The upper left quarter is an emitter of radiance (1, 2, 4). The
@@ -178,7 +183,7 @@ pub struct RenderRequest {
     /// Seed. Count from 0: different seeds give images without common random numbers, and those so
     /// large that this could not be kept are refused (Mitsuba has 16384 seeds at 128 by 128 pixels,
     /// 1024 at 512 by 512). Equal seeds give the same image where the renderer can do that. A renderer without seeds
-    /// (rs_pbrt, pbrt-v3, Mitsuba 0.x) refuses any but 0.
+    /// (pbrt-v3, pbrt-r3, Mitsuba 0.x) refuses any but 0.
     pub seed: u32,
     /// Threads; all processors if nothing is said.
     pub threads: Option<usize>,
@@ -277,6 +282,8 @@ pub(crate) struct Job<'a> {
 pub(crate) struct Plan {
     pub command: Command,
     pub delivery: Delivery,
+    /// What is known of the image before it is there; see [`Rendered::facts`].
+    pub facts: Vec<(String, String)>,
 }
 
 /// How a renderer hands its image over.
@@ -285,8 +292,6 @@ pub(crate) enum Delivery {
     Events,
     /// As one image file, whose samples are those of the request; the function understands lines of its output.
     File(PathBuf, Listener),
-    /// By several runs, of which the plan has the first.
-    Series(Box<dyn Series>, Listener),
 }
 
 /// Understands a line of a renderer's output.
@@ -299,15 +304,4 @@ pub(crate) enum Said {
     Part(f64),
     /// How long the rendering took, in seconds.
     Took(f64),
-}
-
-/// Several runs that give one image.
-pub(crate) trait Series {
-    /// Takes in what a run has left; gives the next command, or nothing when the image is whole. An error says what is
-    /// wrong, such as "left no image".
-    fn next(&mut self) -> Result<Option<Command>, String>;
-    /// How many runs there will be, as far as is known, at least as many as there have been.
-    fn expected(&self) -> usize;
-    /// The image, and the facts of [`Rendered`].
-    fn finish(self: Box<Self>) -> Result<(Image, Vec<(String, String)>), String>;
 }

@@ -1,4 +1,4 @@
-//! What the drivers of PBRT and of rs_pbrt have in common: settings, and how programs tell their version.
+//! What the drivers of PBRT and of its ports have in common: settings, and how programs tell their version.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -36,7 +36,8 @@ pub(super) fn banner(executable: &Path) -> Result<(u32, String), String> {
         (End::Exited(_), Some(text)) => {
             let digits = text.bytes().take_while(u8::is_ascii_digit).count();
             let major = text[..digits].parse().map_err(|_| format!("it says version `{text}`"))?;
-            Ok((major, text.split(" [").next().unwrap_or_default().to_owned()))
+            // "4 (built Jun 10 2026 at 12:00:00)": the minute of the build is no version.
+            Ok((major, text.split([' ', '[']).next().unwrap_or_default().to_owned()))
         }
         (End::Exited(_), None) => {
             Err(format!("it does not say `pbrt version`: {}", tail.first().map_or("it says nothing", String::as_str)))
@@ -56,6 +57,39 @@ pub(super) fn version(executable: &Path, major: u32) -> Result<String, String> {
     };
     Err(format!("it is version {found}, and this reads the files of version {major}{other}"))
 }
+
+/// The version of a port, which says `NAME 1.2.3` by itself.
+pub(super) fn port(executable: &Path, name: &str) -> Result<String, String> {
+    let mut command = Command::new(executable);
+    command.arg("--version");
+    let mut version = None;
+    let (end, tail) = script::ask(command, Lines::All, &mut |line| {
+        if let Some(rest) = line.trim().strip_prefix(name).and_then(|rest| rest.strip_prefix(' ')) {
+            version = version.take().or_else(|| rest.split_whitespace().next().map(str::to_owned));
+        }
+    })?;
+    match (end, version) {
+        (End::TimedOut | End::Cancelled, _) => Err("it does not answer".to_owned()),
+        (End::Exited(_), Some(version)) => Ok(version),
+        (End::Exited(_), None) => Err(format!(
+            "it does not say `{name}` and its version: {}",
+            tail.first().map_or("it says nothing", String::as_str)
+        )),
+    }
+}
+
+/// What errors of the ports mean.
+pub(super) const PORT_HINTS: &[(&str, &str)] = &[
+    ("No such file or directory", "a file is missing; emit the folder again and keep it together"),
+    ("parser error", "it cannot parse a file; emit the folder again for this renderer's target"),
+    ("legacy material name", "the file is one for version 3; emit the scene for `pbrt-v4`"),
+    ("unknown", "it does not know a name in the file; emit the folder again for this renderer's target"),
+    ("memory allocation", "it ran out of memory; make the image or the meshes smaller"),
+];
+
+/// The noise of version 4's four wavelengths; see [`super::Driver::wavelengths`]. Measured with pbrt-r4 4.5.2 on a lamp of
+/// radiance 1, 64 x 64 pixels of 64 samples.
+pub(super) const FOUR_WAVELENGTHS: [f64; 4] = [0.153, 0.033, 0.64, 0.19];
 
 /// Refuses a seed, for renderers that have none.
 pub(super) fn no_seed(job: &Job<'_>, renderer: &str) -> Result<(), RenderError> {
@@ -97,51 +131,8 @@ pub(super) fn samples(job: &Job<'_>) -> Result<Vec<(PathBuf, String)>, RenderErr
     })
 }
 
-/// The film of a scene, to which a parameter can be given.
-pub(super) struct Film {
-    path: PathBuf,
-    head: String,
-    rest: String,
-    parameter: &'static str,
-}
-
-impl Film {
-    /// The one film of the emitted folder, whose files may have been changed.
-    pub(super) fn find(
-        job: &Job<'_>,
-        changed: &[(PathBuf, String)],
-        parameter: &'static str,
-    ) -> Result<Self, RenderError> {
-        let refuse = |message: String| RenderError::Request {
-            message,
-            hint: format!("emit the scene for the target `{}` again", job.request.driver.target),
-        };
-        let mut films = emitted::texts(job.folder, "pbrt").filter_map(|(path, text)| {
-            let text = changed.iter().find(|(file, _)| *file == path).map_or(text, |(_, text)| text.clone());
-            let (_, end) = directive(&text, "Film")?;
-            Some((path, text, end))
-        });
-        let (Some((path, text, end)), None) = (films.next(), films.next()) else {
-            return Err(refuse(format!(
-                "not one file beside `{}` has a `Film`, but none or several",
-                job.main.display()
-            )));
-        };
-        if text.contains(&format!("\"float {parameter}\"")) {
-            return Err(refuse(format!("`{}` sets `{parameter}` itself", path.display())));
-        }
-        Ok(Self { path, head: text[..end].to_owned(), rest: text[end..].to_owned(), parameter })
-    }
-
-    /// The file of the film and its text with this value; numbers are written without exponent.
-    pub(super) fn with(&self, value: f32) -> (PathBuf, String) {
-        let Self { path, head, rest, parameter } = self;
-        (path.clone(), format!("{head} \"float {parameter}\" [{value}]{rest}"))
-    }
-}
-
 /// Where the directive at the start of a line begins, and where its type ends, behind the quote.
-fn directive(text: &str, name: &str) -> Option<(usize, usize)> {
+pub(super) fn directive(text: &str, name: &str) -> Option<(usize, usize)> {
     let mut at = 0;
     for line in text.split_inclusive('\n') {
         let indent = line.len() - line.trim_start().len();
@@ -156,6 +147,16 @@ fn directive(text: &str, name: &str) -> Option<(usize, usize)> {
         at += line.len();
     }
     None
+}
+
+/// The text with a parameter more in its directive, if it has that, of the type `kind` where one is asked for.
+pub(super) fn with_parameter(text: &str, name: &str, kind: Option<&str>, parameter: &str) -> String {
+    match directive(text, name) {
+        Some((start, end)) if kind.is_none_or(|kind| text[start..end].ends_with(&format!("\"{kind}\""))) => {
+            format!("{}{parameter}{}", &text[..end], &text[end..])
+        }
+        Some(_) | None => text.to_owned(),
+    }
 }
 
 /// Where the number of an integer parameter of a directive stands.
@@ -189,6 +190,14 @@ mod tests {
         assert_eq!(at("Integrator", "iterations"), None);
         assert_eq!(at("Camera", "pixelsamples"), None);
         assert_eq!(directive("Filmless \"a\"", "Film"), None);
+        let seed = " \"integer seed\" [3]";
+        let more = with_parameter(TEXT, "Sampler", None, seed);
+        assert_eq!(more, TEXT.replace("Sampler  \"random\"", "Sampler  \"random\" \"integer seed\" [3]"));
+        assert_eq!(with_parameter(TEXT, "Integrator", Some("sppm"), seed), TEXT);
+        assert!(
+            with_parameter(TEXT, "Integrator", Some("mlt"), seed)
+                .contains("\"mlt\" \"integer seed\" [3] \"integer mut")
+        );
         assert_eq!(value_of("Sampler \"a\" \"integer n\" [x]", "Sampler", "n"), None);
     }
 }

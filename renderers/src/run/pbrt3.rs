@@ -3,7 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
-use super::{Delivery, Driver, EXACT, Installation, Job, Plan, RenderError, bar, emitted, pbrt};
+use super::{Delivery, Driver, Installation, Job, Plan, RenderError, bar, emitted, pbrt};
 
 pub(super) const ROW: Driver = Driver {
     name: "pbrt-v3",
@@ -16,7 +16,8 @@ pub(super) const ROW: Driver = Driver {
     programs: &["pbrt", "pbrt3", "pbrt-v3"],
     asks_named: true,
     test_scene: &[],
-    precision: EXACT,
+    wavelengths: None,
+    failures: &[],
     hints: &[
         ("No such file or directory", "a file is missing; emit the folder again and keep it together"),
         ("Unable to open", "a file is missing; emit the folder again and keep it together"),
@@ -46,5 +47,5 @@ fn plan(job: &Job<'_>) -> Result<Plan, RenderError> {
     // Otherwise it leaves log files in the system's temporary folder.
     command.arg("--logdir").arg(job.scratch);
     command.arg("--outfile").arg(&image).arg(main).current_dir(job.scratch);
-    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses) })
+    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses), facts: Vec::new() })
 }

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::process::Lines;
-use super::{Delivery, Driver, EXACT, Installation, Job, Plan, RenderError, bar, emitted, pbrt, script};
+use super::{Delivery, Driver, Installation, Job, Plan, RenderError, bar, emitted, pbrt, script};
 
 pub(super) const ROW: Driver = Driver {
     name: "pbrt-v4",
@@ -17,7 +17,8 @@ pub(super) const ROW: Driver = Driver {
     programs: &["pbrt", "pbrt4", "pbrt-v4"],
     asks_named: true,
     test_scene: &[],
-    precision: EXACT,
+    wavelengths: Some(pbrt::FOUR_WAVELENGTHS),
+    failures: &[],
     hints: &[
         ("No such file or directory", "a file is missing; emit the folder again and keep it together"),
         ("unused parameter", "this version does not know a parameter in the file; emit the scene for `pbrt-v4`"),
@@ -62,5 +63,5 @@ fn plan(job: &Job<'_>) -> Result<Plan, RenderError> {
     command.arg("--spp").arg(job.request.samples.to_string());
     command.arg("--seed").arg(job.request.seed.to_string());
     command.arg("--outfile").arg(&image).arg(main).current_dir(job.scratch);
-    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses) })
+    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses), facts: Vec::new() })
 }

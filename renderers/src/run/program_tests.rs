@@ -1,4 +1,4 @@
-//! Drivers of programs, with programs that only look like PBRT, rs_pbrt and Mitsuba 0.x: what they are given, what they
+//! Drivers of programs, with programs that only look like PBRT, its ports and Mitsuba 0.x: what they are given, what they
 //! write, and how they can fail.
 
 use std::fs;
@@ -11,7 +11,6 @@ use super::super::{
 };
 use crate::env::Env;
 use crate::image::{Image, Provenance, write_exr, write_pfm};
-use crate::run::brackets::tests::write_exposures;
 
 /// A folder with an emitted scene, a mesh beside it, and a program.
 struct Stage {
@@ -103,13 +102,83 @@ echo "libraries $LD_LIBRARY_PATH"; echo mine > mitsuba.here.log
 printf '\rRendering: [++  ] (1.2s, ETA: 1.2s)  \b\b\rRendering: [++++] (2.4s, ETA: 0s)  \b\b\n'
 echo '2026-11-26 12:00:00 INFO  ren0 [RenderJob] Render time: 2.4000s'; cp "$stage/image.exr" "$(after -o "$@")""#;
 
-/// Tells the version, and otherwise writes the PNG that the scale of the scene chooses.
-const RS_PBRT: &str = r#"echo 'rs_pbrt version 0.9.12 (unknown) [Detected 2 cores]'
-if [ "$1" = --version ]; then echo 'rs_pbrt 0.9.12'; exit 0; fi
-[ -f "$(dirname "$last")/meshes/floor.ply" ] || exit 101
-scale=$(sed -n 's/^Film "image" "float scale" \[\([^]]*\)\].*/\1/p' "$last")
-printf '1 / 2 [==>--] 50.00 %% 3/s 1s \r2 / 2 [====] 100.00 %% 3/s Writing image\n'
-cp "$stage/png/$scale.png" pbrt.png"#;
+/// A port, which keeps what it reads.
+const PORT: &str = r#"if [ "$1" = --version ]; then echo "NAME 4.5.2"; exit 0; fi
+echo "NAME version 4.5.2 [Detected 2 cores]"; echo "temporary $TMPDIR"
+# As the port does: links are followed, then what is included is looked for.
+cd "$(dirname "$(readlink -f "$last")")" && cat scene.pbrt settings.pbrt > "$stage/read.pbrt" 2>/dev/null
+cp "$stage/image.exr" "$(after --outfile "$@")""#;
+
+fn port(name: &str, scene: &str) -> Stage {
+    let stage = Stage::new(name, name, "Include \"settings.pbrt\"\n", &PORT.replace("NAME", name));
+    fs::write(stage.request.folder.join("settings.pbrt"), scene).expect("settings");
+    write_exr(&stage.path("image.exr"), &picture(), &Provenance::default()).expect("an image");
+    stage
+}
+
+#[test]
+fn pbrt_r4_is_told_its_seed_in_a_copy_of_the_settings() {
+    let mut stage = port("pbrt-r4", PBRT);
+    let before = stage.emitted();
+    let (rendered, _) = stage.render().expect("an image");
+    assert_eq!((&rendered.image, rendered.renderer_version.as_str()), (&picture(), "4.5.2"));
+    assert!(fs::read_to_string(stage.path("read.pbrt")).expect("a scene").ends_with(PBRT));
+    (stage.request.samples, stage.request.seed, stage.request.threads) = (77, 5, Some(2));
+    stage.render().expect("an image");
+    assert!(stage.call().starts_with("--nthreads 2 --texture-cache off --spp 77 --outfile "), "{}", stage.call());
+    let seeded = "Sampler \"random\" \"integer seed\" [5] \"integer pixelsamples\" [77]";
+    let read = fs::read_to_string(stage.path("read.pbrt")).expect("a scene");
+    assert!(
+        read.contains(seeded) && !read.contains("Option") && !read.contains("maxdepth\" [5] \"integer seed"),
+        "{read}"
+    );
+    assert_eq!(stage.emitted(), before);
+    for (kind, wanted) in [
+        ("sppm", "Integrator \"sppm\" \"integer seed\" [5]"),
+        ("mlt", "Option \"seed\" 5\nIntegrator \"mlt\" \"integer maxdepth\""),
+    ] {
+        let bdpt = port("pbrt-r4", &PBRT.replace("\"path\"", "\"bdpt\"")).render().expect("an image").0;
+        assert!(bdpt.facts[0].1.contains("bidirectional"), "{:?}", bdpt.facts);
+        let mut stage = port("pbrt-r4", &PBRT.replace("\"path\"", &format!("\"{kind}\"")));
+        stage.request.seed = 5;
+        stage.render().expect("an image");
+        let read = fs::read_to_string(stage.path("read.pbrt")).expect("a scene");
+        assert!(read.contains(wanted) && read.contains("Sampler \"random\" \"integer seed\" [5]"), "{read}");
+    }
+    stage.request.seed = u32::MAX;
+    assert!(stage.fails().to_string().contains("too large"));
+}
+
+#[test]
+fn pbrt_r3_has_no_seed_and_tells_its_defects() {
+    let mut stage = port("pbrt-r3", PBRT);
+    let (rendered, _) = stage.render().expect("an image");
+    assert_eq!((rendered.image, rendered.facts.len()), (picture(), 0));
+    let log = fs::read_to_string(stage.path("log")).expect("a log");
+    assert!(log.contains("temporary ") && !log.contains("temporary /tmp\n"), "{log}");
+    stage.request.seed = 3;
+    assert!(stage.fails().to_string().contains("pbrt-r3 has no seed"));
+    let stage = port("pbrt-r3", &format!("{PBRT}MakeNamedMaterial \"a\" \"string type\" [\"disney\"]\n"));
+    let (rendered, _) = stage.render().expect("an image");
+    assert!(rendered.facts[0].0 == "defects" && rendered.facts[0].1.contains("principled"), "{:?}", rendered.facts);
+}
+
+#[test]
+fn a_port_fails_with_its_own_words() {
+    let stage = Stage::new(
+        "pbrt-r4",
+        "pbrt-r4",
+        PBRT,
+        &PORT
+            .replace("NAME", "pbrt-r4")
+            .replace("cp \"$stage/image", "echo '[2026 ERROR] No such file or directory' >&2; exit 255; \""),
+    );
+    let error = stage.fails();
+    assert_eq!(error.to_string(), "`pbrt-r4` failed with exit code 255: [2026 ERROR] No such file or directory");
+    assert!(error.hint().contains("a file is missing"), "{}", error.hint());
+    let other = Stage::new("pbrt-r4", "pbrt-r4", PBRT, &PORT.replace("NAME", "pbrt-r3"));
+    assert!(other.fails().tail()[0].contains("does not say `pbrt-r4` and its version"), "{:?}", other.fails().tail());
+}
 
 #[test]
 fn pbrt_3_reads_its_samples_from_a_copy_of_the_settings() {
@@ -119,7 +188,7 @@ fn pbrt_3_reads_its_samples_from_a_copy_of_the_settings() {
     let (rendered, news) = stage.render().expect("an image");
     assert_eq!(rendered.image, picture());
     assert_eq!((rendered.seconds, rendered.samples_done), (0.6, 16));
-    assert_eq!(rendered.renderer_version, "3 (built Nov 26 2026 at 23:51:42)");
+    assert_eq!(rendered.renderer_version, "3", "without the minute at which it was built");
     assert_eq!(news[0], Progress::Started { version: rendered.renderer_version.clone() });
     assert!(matches!(news[1], Progress::Loaded { .. }), "{news:?}");
     assert!(matches!(news.last(), Some(Progress::Samples { done: 16, total: 16, .. })), "{news:?}");
@@ -142,10 +211,7 @@ fn pbrt_4_is_given_samples_and_seed() {
     write_exr(&stage.path("image.exr"), &picture(), &Provenance::default()).expect("an image");
     (stage.request.samples, stage.request.seed, stage.request.threads) = (16, 5, Some(2));
     let (rendered, _) = stage.render().expect("an image");
-    assert_eq!(
-        (&rendered.image, rendered.renderer_version.as_str()),
-        (&picture(), "4 (built Jun 10 2026 at 12:00:00)")
-    );
+    assert_eq!((&rendered.image, rendered.renderer_version.as_str()), (&picture(), "4"));
     assert!(stage.call().starts_with("--nthreads 2 --spp 16 --seed 5 --outfile "), "{}", stage.call());
     stage.request.seed = u32::MAX;
     assert!(stage.fails().to_string().contains("too large"));
@@ -176,106 +242,26 @@ fn mitsuba_0_finds_its_libraries_and_leaves_nothing() {
     assert!(stage.fails().to_string().contains("no parameter `samples`"));
 }
 
-fn exposures(stage: &Stage, picture: &Image) {
-    write_exposures(&stage.path("png"), picture);
-}
-
+/// The program ends with code 0 then, and may leave an image of what it had.
 #[test]
-fn rs_pbrt_gives_the_full_range_by_exposures() {
-    let mut stage = Stage::new("rs-pbrt", "rs_pbrt", PBRT, RS_PBRT);
-    exposures(&stage, &picture());
-    let before = stage.emitted();
-    stage.request.threads = Some(300);
-    let (rendered, news) = stage.render().expect("an image");
-    for (found, wanted) in rendered.image.pixels.iter().flatten().zip(picture().pixels.iter().flatten()) {
-        assert!((found / wanted - 1.0).abs() < 0.0055, "{found} instead of {wanted}");
-    }
-    assert_eq!(rendered.renderer_version, "0.9.12");
-    let fact = |name: &str| rendered.facts.iter().find(|(known, _)| known == name).map(|(_, value)| value.clone());
-    let scales = fact("exposures").expect("scales");
-    assert!(scales.starts_with("1 0.125 0.015625 "), "{scales}");
-    let told: f64 = fact("quantisation").expect("an error").parse().expect("a number");
-    assert!(told > 0.0 && told < 0.01, "{told}");
-    assert!(stage.call().starts_with("-t 255 -p copy/scene/scene.pbrt"), "{}", stage.call());
-    assert_eq!(stage.emitted(), before);
-    let done: Vec<u64> = news
-        .iter()
-        .filter_map(|news| match news {
-            Progress::Samples { done, .. } => Some(*done),
-            Progress::Started { .. } | Progress::Loaded { .. } => None,
-        })
-        .collect();
-    assert!(done.windows(2).all(|pair| pair[0] < pair[1]), "{done:?}");
-    // The log holds all runs.
-    let log = fs::read_to_string(stage.path("log")).expect("a log");
-    assert_eq!(log.matches("Writing image").count(), scales.split(' ').count());
-    stage.request.seed = 3;
-    assert!(stage.fails().to_string().contains("rs_pbrt has no seed"));
-}
-
-#[test]
-fn rs_pbrt_must_repeat_itself_and_leave_its_image() {
-    let stage = Stage::new("rs-pbrt", "rs_pbrt", PBRT, RS_PBRT);
-    assert_eq!(stage.fails().to_string(), "`rs-pbrt` failed with exit code 1");
-    exposures(&stage, &picture());
-    // At an eighth the same codes again.
-    fs::copy(stage.path("png/1.png"), stage.path("png/0.125.png")).expect("a copy");
-    assert!(stage.fails().to_string().contains("does not repeat itself"), "{}", stage.fails());
-    exposures(&stage, &Image { width: 1, height: 2, ..picture() });
-    assert_eq!(stage.fails().to_string(), "`rs-pbrt` gave an image of 1x2 pixels instead of 2x1");
-    fs::write(stage.path("png/1.png"), "no image").expect("a write");
-    assert!(stage.fails().to_string().contains("left an image that cannot be read"), "{}", stage.fails());
-    let silent = Stage::new("rs-pbrt", "rs_pbrt", PBRT, &RS_PBRT.replace("cp \"", ": \""));
-    assert_eq!(silent.fails().to_string(), "`rs-pbrt` left no image");
-    for scene in
-        [PBRT.replace("Film", "Filn"), PBRT.replace("[2]", "[2] \"float scale\" [2]"), format!("{PBRT}Film \"image\"")]
-    {
-        // The second film of one file is not looked for.
-        let stage = Stage::new("rs-pbrt", "rs_pbrt", &scene, RS_PBRT);
-        exposures(&stage, &picture());
-        let refused = matches!(stage.render().map(|_| ()), Err(RenderError::Request { .. }));
-        assert_eq!(refused, !scene.ends_with("Film \"image\""), "{scene}");
-    }
-    let other = Stage::new("rs-pbrt", "rs_pbrt", PBRT, &RS_PBRT.replace("0.9.12", "0.9.11"));
-    assert!(other.fails().tail()[0].contains("only 0.9.12 is known"), "{:?}", other.fails().tail());
-}
-
-#[test]
-fn rs_pbrt_is_given_no_image_that_it_would_misread() {
-    let texture = |file: &str| format!("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" [\"{file}\"]\n");
-    let sky = |file: &str| format!("LightSource \"infinite\" \"rgb L\" [1 1 1] \"string mapname\" [\"{file}\"]\n");
-    for (line, right) in [
-        (texture("oak.png"), true),
-        (texture("oak.JPG"), true),
-        (texture("oak.pfm"), false),
-        (texture("oak.exr"), false),
-        (sky("sky.hdr"), true),
-        (sky("sky.exr"), false),
-    ] {
-        let stage = Stage::new("rs-pbrt", "rs_pbrt", &format!("{PBRT}{line}"), RS_PBRT);
-        exposures(&stage, &picture());
-        let refused = matches!(stage.render().map(|_| ()), Err(RenderError::Request { .. }));
-        assert_eq!(refused, !right, "{line}");
-    }
-}
-
-#[test]
-fn rs_pbrt_is_given_no_group_twice_and_tells_its_defects() {
-    let render = |more: &str| {
-        let stage = Stage::new("rs-pbrt", "rs_pbrt", &format!("{PBRT}{more}"), RS_PBRT);
-        exposures(&stage, &picture());
-        stage.render().map(|(rendered, _)| rendered.facts)
-    };
-    let defects = |more: &str| {
-        let facts = render(more).expect("an image");
-        facts.into_iter().find(|(name, _)| name == "defects").map(|(_, what)| what)
-    };
-    let glass = "MakeNamedMaterial \"a\" \"string type\" [\"glass\"] \"float eta\" [1.5]";
-    assert_eq!(defects(&format!("ObjectInstance \"a\"\n\tObjectInstance \"b\"\n{glass}\n")), None);
-    assert!(defects(&format!("{glass} \"float uroughness\" [0.1]\n")).is_some_and(|what| what.contains("rough glass")));
-    assert!(defects("Material \"disney\"\n").is_some_and(|what| what.contains("principled")));
-    let error = render("ObjectInstance \"a\"\n\tObjectInstance \"a\"\n").expect_err("a group twice");
-    assert!(error.to_string().contains("the group \"a\" is used more than once"), "{error}");
+fn mitsuba_0_fails_where_it_says_so_whatever_its_code() {
+    let line = "2026-06-01 12:00:00 WARN  ren0 [RenderJob] Rendering of scene \"scene.xml\" did not complete successfully, \
+                caught exception: Unable to open the file \"floor.ply\"";
+    let stage = Stage::new("mitsuba-0.6", "mitsuba", MITSUBA, &format!("{MITSUBA6}\necho '{line}'; exit 0"));
+    write_exr(&stage.path("image.exr"), &picture(), &Provenance::default()).expect("an image");
+    let error = stage.fails();
+    assert_eq!(error.to_string(), format!("`mitsuba-0.6` failed: {line}"));
+    assert!(error.hint().contains("a file is missing"), "{}", error.hint());
+    let other = Stage::new(
+        "mitsuba-0.5",
+        "mitsuba",
+        MITSUBA,
+        &MITSUBA6.replace("0.6.0", "0.5.0").replace(
+            "cp \"$stage",
+            "echo 'WARN [RenderJob] Rendering of scene \"a\" did not complete successfully!' >&2; : \"$stage",
+        ),
+    );
+    assert!(other.fails().to_string().ends_with("did not complete successfully!"), "{}", other.fails());
 }
 
 #[test]
@@ -294,7 +280,6 @@ fn a_program_of_another_version_is_named_with_the_driver_that_takes_it() {
     assert!(wrong("pbrt-v3", "pbrt", "echo pbrt version unknown").contains("version `unknown`"));
     assert!(wrong("pbrt-v3", "pbrt", "echo I am a shell; echo more").contains("`pbrt version`: I am a shell"));
     assert!(wrong("pbrt-v3", "pbrt", "exit 1").contains("it says nothing"));
-    assert!(wrong("rs-pbrt", "rs_pbrt", PBRT3).contains("does not say `rs_pbrt version`"));
     let mitsuba = |version: &str| MITSUBA6.replace("0.6.0", version);
     assert!(wrong("mitsuba-0.5", "mitsuba", MITSUBA6).contains("name it for `mitsuba-0.6`"));
     assert!(wrong("mitsuba-0.6", "mitsuba", &mitsuba("3.9.1")).contains("name it for `mitsuba-3`"));
@@ -343,17 +328,6 @@ fn failures_come_with_the_end_of_the_log_and_a_hint() {
     assert!(matches!(stage.fails(), RenderError::TimedOut { .. }));
     stage.request.executable = Some(stage.path("missing"));
     assert!(stage.fails().tail()[0].contains("no such program"));
-}
-
-/// The time of a series is that of all its runs together.
-#[test]
-fn a_time_out_counts_all_exposures() {
-    let mut stage = Stage::new("rs-pbrt", "rs_pbrt", PBRT, &RS_PBRT.replace("\nscale=", "\nsleep 0.4\nscale="));
-    exposures(&stage, &picture());
-    stage.request.timeout = Some(Duration::from_millis(1000));
-    let error = stage.fails();
-    assert!(matches!(error, RenderError::TimedOut { .. }), "{error}");
-    assert!(error.to_string().contains("more than 1 s"), "{error}");
 }
 
 #[test]

@@ -45,41 +45,29 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
     };
     let scratch = tempfile::Builder::new().prefix("ltsc-render-").tempdir().map_err(io(&std::env::temp_dir()))?;
     let job = Job { request, executable: &executable, folder: &folder, main: &main, scratch: scratch.path() };
-    let Plan { command, mut delivery } = (driver.plan)(&job)?;
+    let Plan { command, delivery, facts } = (driver.plan)(&job)?;
     begin(&log).map_err(io(&log))?;
     let mut gathered = Gathered { version, ..Gathered::default() };
     let mut watch = Watch::new(u64::from(request.samples));
     if !gathered.version.is_empty() && !matches!(delivery, Delivery::Events) {
         progress(Progress::Started { version: gathered.version.clone() });
     }
-    let mut next = Some(command);
-    while let Some(command) = next.take() {
-        let left = request.timeout.map(|timeout| timeout.saturating_sub(watch.start.elapsed()));
-        let patience = Patience { timeout: left, cancel: request.cancel.as_deref() };
-        let lines = if matches!(delivery, Delivery::Events) { Lines::Events } else { Lines::All };
-        watch.begin(match &delivery {
-            Delivery::Series(series, _) => series.expected(),
-            Delivery::Events | Delivery::File(..) => 1,
-        });
-        let end = run(command, &log, lines, patience, &mut |line| match &delivery {
-            Delivery::Events => gathered.take(line, scratch.path(), progress),
-            Delivery::File(_, listener) | Delivery::Series(_, listener) => {
-                if let Some(said) = listener(line) {
-                    watch.take(said, progress);
-                }
+    let patience = Patience { timeout: request.timeout, cancel: request.cancel.as_deref() };
+    let lines = if matches!(delivery, Delivery::Events) { Lines::Events } else { Lines::All };
+    let end = run(command, &log, lines, patience, &mut |line| match &delivery {
+        Delivery::Events => gathered.take(line, scratch.path(), progress),
+        Delivery::File(_, listener) => {
+            if let Some(said) = listener(line) {
+                watch.take(said, progress);
             }
-        });
-        judge(request, end.map_err(io(&executable))?, &gathered, &log)?;
-        watch.end();
-        if let Delivery::Series(series, _) = &mut delivery {
-            next = series.next().map_err(|message| no_image(driver, message, &log))?;
         }
-    }
+    });
+    judge(request, end.map_err(io(&executable))?, &gathered, &log)?;
     let wall_seconds = watch.start.elapsed().as_secs_f64();
-    let (image, facts, samples_done, seconds) = match delivery {
+    let (image, samples_done, seconds) = match delivery {
         Delivery::Events => {
             let (samples, seconds) = (gathered.samples, gathered.seconds.unwrap_or(wall_seconds));
-            (gathered.take_image(driver, &log)?, Vec::new(), samples, seconds)
+            (gathered.take_image(driver, &log)?, samples, seconds)
         }
         Delivery::File(path, _) => {
             if !path.exists() {
@@ -88,11 +76,7 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
             if gathered.version.is_empty() {
                 gathered.version = (driver.probe)(&executable).unwrap_or_default();
             }
-            (read(&path)?.0, Vec::new(), u64::from(request.samples), watch.took)
-        }
-        Delivery::Series(series, _) => {
-            let (image, facts) = series.finish().map_err(|message| no_image(driver, message, &log))?;
-            (image, facts, u64::from(request.samples), watch.took)
+            (read(&path)?.0, u64::from(request.samples), watch.took())
         }
     };
     if (image.width, image.height) != (request.width, request.height) {
@@ -116,19 +100,13 @@ pub(super) fn wrong_size(found: (usize, usize), wanted: (usize, usize)) -> Strin
     format!("gave an image of {}x{} pixels instead of {}x{}", found.0, found.1, wanted.0, wanted.1)
 }
 
-/// The time of the runs, and what their output says of it.
+/// The time of a run, and what its output says of it.
 struct Watch {
     samples: u64,
-    /// When the first run began, and this one.
     start: Instant,
-    run: Instant,
-    /// Runs up to now, this one included, and how many there will be.
-    runs: usize,
-    expected: usize,
-    /// Rendering time of all runs before this one, and of this one as far as it is known.
-    took: f64,
+    /// The rendering time as the program tells it.
     said: Option<f64>,
-    /// When this run had loaded the scene.
+    /// When it had loaded the scene.
     loaded: Option<Instant>,
     /// The samples and the time that were told last.
     told: Option<(u64, Instant)>,
@@ -139,20 +117,12 @@ const NEWS: Duration = Duration::from_millis(100);
 
 impl Watch {
     fn new(samples: u64) -> Self {
-        let start = Instant::now();
-        Self { samples, start, run: start, runs: 0, expected: 1, took: 0.0, said: None, loaded: None, told: None }
+        Self { samples, start: Instant::now(), said: None, loaded: None, told: None }
     }
 
-    fn begin(&mut self, expected: usize) {
-        self.runs += 1;
-        self.expected = expected.max(self.runs);
-        (self.run, self.said, self.loaded) = (Instant::now(), None, None);
-    }
-
-    /// Ends a run; a program that does not tell its time took all of it, or all since it had loaded the scene.
-    fn end(&mut self) {
-        let measured = self.loaded.unwrap_or(self.run).elapsed().as_secs_f64();
-        self.took += self.said.unwrap_or(measured);
+    /// The rendering time; a program that does not tell its time took all of it, or all since it had loaded the scene.
+    fn took(&self) -> f64 {
+        self.said.unwrap_or_else(|| self.loaded.unwrap_or(self.start).elapsed().as_secs_f64())
     }
 
     fn take(&mut self, said: Said, progress: &mut dyn FnMut(Progress)) {
@@ -166,14 +136,10 @@ impl Watch {
         let now = Instant::now();
         if self.loaded.is_none() {
             self.loaded = Some(now);
-            if self.runs == 1 {
-                progress(Progress::Loaded { seconds: (now - self.run).as_secs_f64() });
-            }
+            progress(Progress::Loaded { seconds: (now - self.start).as_secs_f64() });
         }
-        let share = ((self.runs - 1) as f64 + part) / self.expected as f64;
-        let done = (share * self.samples as f64) as u64;
+        let done = (part * self.samples as f64) as u64;
         let news = match self.told {
-            // More runs than were expected make the share smaller.
             Some((before, when)) => done > before && (now - when >= NEWS || done == self.samples),
             None => true,
         };
@@ -189,12 +155,15 @@ impl Watch {
 fn judge(request: &RenderRequest, end: End, gathered: &Gathered, log: &Path) -> Result<(), RenderError> {
     let driver = request.driver;
     match end {
-        End::Exited(status) if status.success() => Ok(()),
         End::Exited(status) => {
+            let confessed = confession(driver, log);
+            if status.success() && confessed.is_none() {
+                return Ok(());
+            }
             let missing =
                 [("No module named", "this Python lacks the renderer; `ltsc renderers install` makes a private copy")];
             let hints: Vec<_> = missing.iter().chain(driver.hints).copied().collect();
-            let message = gathered.message.clone();
+            let message = gathered.message.clone().or(confessed);
             Err(RenderError::failed(driver.name, &hints, status, message, log))
         }
         End::TimedOut => Err(RenderError::TimedOut {
@@ -205,6 +174,15 @@ fn judge(request: &RenderRequest, end: End, gathered: &Gathered, log: &Path) -> 
         }),
         End::Cancelled => Err(RenderError::Cancelled),
     }
+}
+
+/// The first line near the end of the log by which the driver's program tells that it has failed.
+fn confession(driver: &Driver, log: &Path) -> Option<String> {
+    if driver.failures.is_empty() {
+        return None;
+    }
+    let told = |line: &String| driver.failures.iter().any(|text| line.contains(text));
+    tail(log, super::error::CAUSES).into_iter().find(told)
 }
 
 fn no_image(driver: &'static Driver, message: String, log: &Path) -> RenderError {

@@ -178,6 +178,8 @@ fn plastic_in_every_target() {
         ),
         "{pbrt}"
     );
+    // Its layer absorbs light where it is thicker (measured).
+    assert!(pbrt.contains("\"bool remaproughness\" [false] \"float thickness\" [1e-6]"), "{pbrt}");
     // 0.5 (1 - 0.5968) / (1 - 0.5 0.5968) is seen of the base, and 0.04 is the coat's.
     let pbrt = surface("pbrt-v3", plastic(0.1));
     let (_, rest) = pbrt.split_once("[\"substrate\"] \"rgb Kd\" [").expect("a substrate");

@@ -7,8 +7,8 @@ use crate::capability::algorithm;
 use crate::diag::Origin;
 use crate::files::MemorySink;
 use crate::ir::{
-    Affine, Arena, Bsdf, Color, Emission as Light, Film, Filter, Instance, Integrator, LightKind, LightSource, Places,
-    Sampler, Scene,
+    Affine, Arena, Bsdf, Color, Emission as Light, Film, Filter, Instance, Integrator, LightKind, LightSource, Meaning,
+    Places, Sampler, Scene, Spectrum,
 };
 use crate::valid::validate;
 use shared::sample;
@@ -416,6 +416,29 @@ pub(super) fn lit() -> Scene {
         scene.lights.push(LightSource { name, kind }, Origin::Made);
     }
     scene
+}
+
+/// pbrt-v4's sampler `bvh` takes a spot with a sharp edge for black (measured with edges of 0 and 0.02 degrees), `power` does not.
+#[test]
+fn a_sharp_spot_is_lit_in_pbrt() {
+    let written = |inner: f64, integrator: Integrator, intensity: Color| {
+        let mut scene = sample::room();
+        let kind = LightKind::Spot { position: [0.0, 0.0, 5.0], target: [0.0; 3], intensity, angle: 26.0, inner };
+        scene.lights.push(LightSource { name: "stage".to_owned(), kind }, Origin::Made);
+        scene.integrator = integrator;
+        let files = emitted("pbrt-v4", scene);
+        text(&files, "settings.pbrt") + &text(&files, "description.pbrt")
+    };
+    let path = || Integrator::Path { max_depth: 4 };
+    for (inner, sampler) in [(26.0, "power"), (25.98, "power"), (25.5, "bvh"), (0.0, "bvh")] {
+        let pbrt = written(inner, path(), Color::Grey(100.0));
+        assert!(pbrt.contains(&format!("\"string lightsampler\" [\"{sampler}\"]")), "{inner}: {pbrt}");
+    }
+    let warm = Color::Spectrum(Spectrum::new(&[(620.0, 0.0), (640.0, 1.0), (660.0, 0.0)], Meaning::Light));
+    assert!(written(26.0, path(), warm).contains("[\"uniform\"]"), "four wavelengths may miss a line");
+    // Photon mapping has `bvh` and no choice.
+    let photons = written(26.0, Integrator::PhotonMap { max_depth: 4 }, Color::Grey(100.0));
+    assert!(photons.contains("\"float conedeltaangle\" [0.1]") && !photons.contains("lightsampler"), "{photons}");
 }
 
 #[test]

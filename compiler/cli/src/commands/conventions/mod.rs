@@ -6,6 +6,7 @@ mod ideal;
 mod judge;
 mod kinds;
 mod measure;
+mod noise;
 mod page;
 mod records;
 mod report;
@@ -121,19 +122,18 @@ fn measured(runner: &Runner, asked: &[Asked]) -> Result<Results, Failure> {
     for (done, one) in (0..).zip(asked) {
         bar.set(done);
         bar.say(&format!("{} ({})", one.convention.name, runner.driver.name));
-        let sampler = &one.scene.sampler;
         let job = Job::new(&one.scene, runner)?;
-        let image = match job.render(sampler.samples(), sampler.seed(), &mut |_| {}) {
+        let image = match job.render(noise::samples(runner.driver, one), one.scene.sampler.seed(), &mut |_| {}) {
             Ok(rendered) => {
                 version = Some(rendered.renderer_version).filter(|found| !found.is_empty()).unwrap_or(version);
                 Ok(rendered.image)
             }
             Err(error) => Err(error.to_string()),
         };
-        for (check, expected) in one.checks() {
+        for (at, (check, _)) in one.checks().enumerate() {
             let ideal = || ideal::Ideal::new(&one.scene).image();
             let measured = image.as_ref().map(|image| measure::measure(&check.measure, image, &ideal));
-            rows.push(one.row(check, expected, (runner.driver, target), measured.map_err(Clone::clone)));
+            rows.push(one.row(at, (runner.driver, target), measured.map_err(Clone::clone)));
         }
     }
     bar.finish();
@@ -205,13 +205,13 @@ fn stored(pages: &Path, check: bool) -> Result<Exit, Failure> {
 fn again(rows: &[Row], asked: &[Asked], by: (&Driver, &Target)) -> Vec<Row> {
     let mut all = Vec::new();
     for one in asked {
-        for (check, expected) in one.checks() {
+        for (at, (check, _)) in one.checks().enumerate() {
             let Some(row) = rows.iter().find(|row| one.is(check, row)) else { continue };
             let measured = match (row.measured, &row.because) {
                 (None, Some(reason)) => Err(reason.clone()),
                 (measured, _) => Ok(measured),
             };
-            all.push(one.row(check, expected, by, measured));
+            all.push(one.row(at, by, measured));
         }
     }
     all

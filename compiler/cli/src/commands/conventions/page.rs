@@ -21,7 +21,8 @@ NAME` renders and measures them in one or two minutes.
 - **unsupported**: the target is said not to have it; the number is what it does instead.
 - **fails**: it is off, and nothing says so.
 
-Bounds of rs-pbrt are 1.1 % wider than the table says: it writes 8 bits, which are read at several exposures.
+Renderers that compute with wavelengths (pbrt-v4 and its port pbrt-r4) take the samples that the
+bounds need; where those would be too many the bound is wider by the noise that is left.
 ";
 
 /// The whole page.

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use super::judge::{Verdict, deviation, judge};
 use super::kinds::{Check, Convention, Expected, Measure, View};
-use super::{ideal, measure, scene};
+use super::{ideal, measure, noise, scene};
 use crate::disk::write_atomically;
 use crate::output::{Exit, Failure};
 
@@ -115,16 +115,11 @@ impl Asked {
         self.is_of(row) && check.name == row.check
     }
 
-    /// The row of a check for what was measured with a renderer, or the reason why nothing was.
-    pub fn row(
-        &self,
-        check: &Check,
-        expected: f64,
-        (driver, target): (&Driver, &Target),
-        measured: Result<Option<f64>, String>,
-    ) -> Row {
+    /// The row of the check at `at` for what was measured with a renderer, or the reason why nothing was.
+    pub fn row(&self, at: usize, (driver, target): (&Driver, &Target), measured: Result<Option<f64>, String>) -> Row {
+        let (check, expected) = (&self.view.checks[at], self.expected[at]);
         let (bound, relative) = check.tolerance.parts();
-        let bound = rounded(bound + step(driver) * if relative { 1.0 } else { expected.abs() });
+        let bound = rounded(bound + noise::left(driver, self, at));
         let (measured, (verdict, because)) = match measured {
             Ok(measured) => {
                 let measured = measured.map(rounded);
@@ -146,15 +141,6 @@ impl Asked {
         }
     }
 }
-
-/// How well the numbers of a renderer's image are known, as a share: rs_pbrt writes 8 bits, which its driver reads at several
-/// exposures; half of what lies between two codes is at most 1.1 % (`renderers/src/run/brackets.rs`).
-fn step(driver: &Driver) -> f64 {
-    if driver.precision > COARSE { 0.011 } else { 0.0 }
-}
-
-/// Drivers that hand numbers over as they are have a smaller precision than this.
-const COARSE: f32 = 1e-3;
 
 /// The folder of stored results below that of the pages.
 pub fn folder(pages: &Path) -> PathBuf {

@@ -42,11 +42,15 @@ pub const V3: &[(Feature, &str)] = &[
 pub const V4: &[(Feature, &str)] = &[
     (Feature::SmoothDielectric, RELATIVE),
     (Feature::RoughDielectric, RELATIVE),
-    SPOT,
     (Feature::LinearJpegTexture, "its codes are written as PNG: v4 takes every JPEG for sRGB"),
     (
         Feature::EnvironmentImage,
         "(u, v) of the octahedron, its middle +z and its corners -z (Clarberg 2008); scale = the largest channel of the tint",
+    ),
+    (
+        Feature::SpotLight,
+        "coneangle = angle, conedeltaangle = angle - inner, at least 0.1 with photon mapping; an edge below 0.1 degrees makes `lightsampler` \
+         `power`",
     ),
     (Feature::Spectrum, "scale of a light = its luminance, which v4 divides by"),
     CAMERA,

@@ -99,13 +99,13 @@ fn integrator(version: Version, scene: &Scene, samples: u32, out: &mut dyn Write
     };
     let depth = |segments: &u32| names::max_depth(count(*segments));
     match &scene.integrator {
-        Integrator::Path { max_depth } => write("path", depth(max_depth), names.integrator),
+        Integrator::Path { max_depth } => write("path", depth(max_depth), &names::path(version, scene)),
         Integrator::Bidirectional { max_depth } => write("bdpt", depth(max_depth), names.bidirectional),
         Integrator::LightTracing { max_depth } => match names.light_tracing {
             Some(kind) => write(kind, depth(max_depth), ""),
             None => {
                 writeln!(out, "# {}", text::replaced(&scene.integrator, version.target()))?;
-                let (depth, more) = (depth(max_depth), names.integrator);
+                let (depth, more) = (depth(max_depth), names::path(version, scene));
                 writeln!(out, "Integrator \"path\" \"integer maxdepth\" [{depth}]{more}")
             }
         },
@@ -148,7 +148,7 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
         let LightSource { name, kind } = item;
         writeln!(out, "\n# {}", Line(name))?;
         let image = images::sky_path(emission, kind, version.images());
-        light(version, kind, image.as_deref().unwrap_or_default(), out)?;
+        light(version, scene, kind, image.as_deref().unwrap_or_default(), out)?;
     }
     let surface = |shape: &Shape, out: &mut dyn Write| {
         let Shape { name, mesh, transform, material, emission } = shape;
@@ -191,7 +191,7 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
 /// A light without a surface. v4 divides each of them by the luminance of its white, as it does with emitting surfaces, so
 /// that the numbers pass through as long as there is neither `scale` nor `power` nor `illuminance` (`lights.cpp`, `Create`
 /// of each light). Light of `distant` goes from `from` to `to`, and `L` is the irradiance across it (`Sample_Li`).
-fn light(version: Version, kind: &LightKind, image: &str, out: &mut dyn Write) -> io::Result<()> {
+fn light(version: Version, scene: &Scene, kind: &LightKind, image: &str, out: &mut dyn Write) -> io::Result<()> {
     let point = version.names().point;
     match kind {
         LightKind::Environment { radiance: ColorOrTexture::Texture(_), tint, turn } => {
@@ -229,7 +229,7 @@ fn light(version: Version, kind: &LightKind, image: &str, out: &mut dyn Write) -
             Row(target, " "),
             light_color(version, "I", intensity),
             Num(*angle),
-            Num(angle - inner)
+            Num(names::cone_delta(version, &scene.integrator, *angle, *inner))
         ),
         LightKind::Directional { direction, irradiance } => writeln!(
             out,
@@ -353,7 +353,10 @@ fn material(version: Version, bsdf: &Bsdf, id: &str, textures: &[String], out: &
 /// v4's coat over a diffuse base: its type and parameters.
 fn coat_over(base: &str, ior: f64, alpha: f64) -> String {
     let plain = Version::V4.names().plain_roughness;
-    format!("[\"coateddiffuse\"] {base} \"float eta\" [{}] \"float roughness\" [{}] {plain}", Num(ior), Num(alpha))
+    let (ior, alpha, thickness) = (Num(ior), Num(alpha), Num(names::THICKNESS));
+    format!(
+        "[\"coateddiffuse\"] {base} \"float eta\" [{ior}] \"float roughness\" [{alpha}] {plain} \"float thickness\" [{thickness}]"
+    )
 }
 
 /// A color through `map` as the parameter `name`; a texture through a factor, as a texture of its own that is written here.

@@ -5,7 +5,9 @@ mod emit;
 pub mod import;
 pub mod names;
 mod scatter;
+mod spectral;
 mod text;
+mod uplift;
 
 use super::Target;
 use super::shared::bounds;
@@ -22,7 +24,7 @@ pub const PBRT_V4: Target = Target {
     supports: supports_v4,
     conversions: conversions::V4,
     images: names::images_v4,
-    bound: conversions::bound_v4,
+    bound: |feature, scene| conversions::bound_v4(feature, scene).or_else(|| spectral::bound(feature, scene)),
     choices: &[],
     emit: |emission, sink| emit::emit(Version::V4, emission, sink),
     import: Some(|main, source| import::import(Version::V4, main, source)),
@@ -32,7 +34,7 @@ pub const PBRT_V4: Target = Target {
 pub const PBRT_V3: Target = Target {
     name: "pbrt-v3",
     aliases: &[],
-    summary: "PBRT v3 (and rs_pbrt)",
+    summary: "PBRT v3",
     main_file: "scene.pbrt",
     shares_meshes: true,
     supports: supports_v3,
@@ -64,6 +66,9 @@ const SOFT3: Support = Support::approximate(
     "exact outside of that ring; in it up to 0.47 of the intensity less, with 0.4 to 0.6 of its light (computed from \
      `spot.cpp`)",
 );
+
+const COATED: &str = "in even light a smooth coat over 0.5, seen at 0, 60 and 80 degrees, 0.3160, 0.3504, 0.5615 for 0.317, 0.352, 0.563; over 0.8 with `alpha` \
+     0.1 at 0 and 60 degrees 0.5933, 0.6073 for 0.598, 0.614 (pbrt-v4 of 2026-06 against Mitsuba 3.9.1); by pbrt-r4 4.5.2 over 0.5 0.309, 0.340, 0.449 for 0.309, 0.341, 0.446 at `alpha` 0.1, 0.279, 0.287, 0.324 for 0.278, 0.286, 0.310 at 0.3";
 
 const SCALED: &str =
     "for an index of 1.5 seen 0.115 instead of 0.092 for a base of 0.2, 0.46 instead of 0.62 for 0.8 (computed)";
@@ -115,7 +120,6 @@ fn supports_v4(feature: Feature) -> Support {
         | Feature::Bidirectional
         | Feature::Metropolis
         | Feature::EmissionOnly
-        | Feature::IndirectLight
         | Feature::IndependentSampler
         | Feature::SobolSampler => Exact,
         Feature::Texture => Support::approximate(
@@ -124,20 +128,22 @@ fn supports_v4(feature: Feature) -> Support {
         ),
         Feature::ColouredTexture => Support::approximate(
             "pbrt-v4 is always spectral: the colours of an image become smooth spectra",
-            "as those of coloured materials: one bounce to 0.1 %, saturated colours differ from the second on",
+            "as those of coloured materials: in white light one bounce to 0.2 % of the brightest channel, saturated colours differ \
+             from the second on, in coloured light from the first",
         ),
         Feature::Plastic => Support::approximate(
-            "pbrt-v4's `coateddiffuse` follows light between coat and base by chance, over a small distance",
-            "not measured; both models count all reflections between coat and base (`LayeredBxDF`)",
+            "pbrt-v4's `coateddiffuse` follows light between coat and base by chance, through a rough coat facet by facet",
+            COATED,
         ),
         Feature::TexturedPlastic => Support::approximate(
-            "pbrt-v4's `coateddiffuse` follows light between coat and base by chance, over a small distance",
-            "as for a colour: the texture is that of the base (`CoatedDiffuseMaterial`)",
+            "pbrt-v4's `coateddiffuse` follows light between coat and base by chance, through a rough coat facet by facet",
+            COATED,
         ),
         Feature::Principled => Support::approximate(
             "pbrt-v4 has no principled material: a mix of `coateddiffuse`, of whose base the color is seen, and of `conductor` \
              stands for it",
-            "not measured; without the sheen at grazing angles that Burley's diffuse part has",
+            "a base of 0.5 and roughness 0.316 in even light, seen at 0 and 60 degrees: without metal 0.4977, 0.5174 for 0.538, 0.582 \
+             (pbrt-v4 of 2026-06 against Mitsuba 3.9.1); by pbrt-r4 4.5.2 0.585 for 0.724 at 80, metal 0.494, 0.513, 0.575 for 0.495, 0.501, 0.564; without the sheen at grazing angles that Burley's diffuse part has",
         ),
         Feature::TexturedPrincipled => Support::approximate(
             "pbrt-v4's coat darkens its base, and the texture is lightened by the factor of a grey of 0.5 to make up for it",
@@ -166,17 +172,25 @@ fn supports_v4(feature: Feature) -> Support {
         ),
         Feature::ColouredDiffuse => Support::approximate(
             "pbrt-v4 is always spectral: an RGB reflectance becomes a smooth spectrum",
-            "one bounce to 0.1 %; a Cornell box with saturated walls 1.008, 0.995, 1.000 in its mean R, G, B, dark \
-             channels beside the walls by up to a factor of 3 (pbrt-v4 of 2026-06); grey is exact",
+            "in white light one bounce to 0.2 % of the brightest channel, further ones differ: Cornell boxes with saturated walls 1.008, \
+             0.995, 1.000 and 1.057, 0.979, 0.997 (cbox_indirect) in their mean R, G, B, dark channels beside the walls by up to a factor of 3 \
+             (pbrt-v4 of 2026-06); grey is exact, and what a scene gives as spectra",
         ),
         Feature::ColouredConductor => Support::approximate(
             "pbrt-v4 is always spectral: RGB `eta` and `k` become smooth spectra",
             "reflectance at normal incidence 0.982 0.624 0.513 instead of 0.952 0.620 0.511 for a copper-like metal \
-             (pbrt-v4 of 2026-06); grey is exact",
+             (pbrt-v4 of 2026-06; computed likewise for each scene); grey is exact",
         ),
         Feature::ColouredEmitter => Support::approximate(
             "pbrt-v4 is always spectral: an RGB radiance becomes a smooth spectrum",
-            "0.1 % on grey surfaces (pbrt-v4 of 2026-06); on coloured ones as their reflectance",
+            "seen and on grey surfaces 0.1 %, of a saturated one 1 % in its dark channels; on coloured surfaces a floor of (0.8, 0.4, 0.2) has \
+             -8.5 and -79 % of red and blue under a point of (100, 50, 10), -18 % of blue in directional light of (3, 2, 1), +7.3 and \
+             -29 % of red and blue under an environment of (1, 2, 0.5) (pbrt-v4 of 2026-06 and pbrt-r4 4.5.2; the spectra of Jakob and Hanika give the same)",
+        ),
+        Feature::IndirectLight => Support::approximate(
+            "rays of pbrt-v4 that start next to a concave edge miss the other face",
+            "within 0.005 units of an edge of a cube of 100 units 2.1 % too dark (pbrt-v4 of 2026-06; pbrt-r4 4.5.2 1.9 %), nothing \
+             that shows where a pixel sees more",
         ),
         Feature::SharpConductor => Support::approximate(
             "pbrt-v4 takes `alpha` below 0.001 as smooth",
@@ -281,7 +295,8 @@ fn supports_v3(feature: Feature) -> Support {
         Feature::Principled | Feature::TexturedPrincipled => Support::approximate(
             "PBRT v3's `disney` is the model of 2015, which adds light that a rough base throws back",
             "against Mitsuba 3.9.1 within 0.3 % with `metallic` 0, within 1.2 % with 1, darker by 15 to 21 % with 0.5 (base \
-             0.5, seen at 0, 60 and 80 degrees; pbrt-v3)",
+             0.5, seen at 0, 60 and 80 degrees; pbrt-v3); the port pbrt-r3 3.2.0 differs: with 0 0.538, 0.532, 0.502 for pbrt-v3's 0.539, \
+             0.581, 0.723, with 1 0.740, 0.732, 0.679 for 0.489, 0.501, 0.564, with 0.5 0.623, 0.605, 0.596 for 0.393, 0.409, 0.475",
         ),
         Feature::SmoothConductor => Support::approximate(
             "PBRT v3's metal has an `alpha` of at least 0.001, near the limit of its single precision",
@@ -297,7 +312,7 @@ fn supports_v3(feature: Feature) -> Support {
         Feature::RoughDielectric => Support::approximate(
             "PBRT's masking and shadowing are height-correlated, Mitsuba's are not",
             "a Cornell box with a block of rough glass 0.9998 in its mean at `alpha` 0.1, 1.0012 at 0.3 (pbrt-v3 against \
-             Mitsuba 3.9.1; rs_pbrt 0.9.12 is darker than pbrt-v3 by 4.5 and 3.5 %)",
+             Mitsuba 3.9.1)",
         ),
         Feature::SoftSpotLight => SOFT3,
         Feature::LightTracing => {

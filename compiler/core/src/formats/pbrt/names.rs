@@ -6,7 +6,7 @@
 
 use crate::formats::shared::camera;
 use crate::formats::shared::images::{self, Form, Forms, Use};
-use crate::ir::{Affine, Encoding, Film, ImageFormat, Texture};
+use crate::ir::{Affine, Encoding, Film, ImageFormat, Integrator, LightKind, Scene, Texture};
 
 /// A version of the file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -53,9 +53,6 @@ pub struct Names {
     pub filter_radius: (&'static str, &'static str),
     /// `Sampler`: independent random numbers.
     pub sampler: &'static str,
-    /// `Integrator "path"`: parameters beside the depth. v3's default light choice, "spatial", does not end with a
-    /// hundred thousand emitting triangles (measured with rs_pbrt 0.9.12 and pbrt-v3); v4's default is written out.
-    pub integrator: &'static str,
     /// `Integrator "bdpt"`: parameters beside the depth. v3's light choice is written out, v4 takes no such parameter there
     /// and refuses what it does not take.
     pub bidirectional: &'static str,
@@ -85,7 +82,6 @@ static V3: Names = Names {
     film: ("image", "pfm", ""),
     filter_radius: ("xwidth", "ywidth"),
     sampler: "random",
-    integrator: " \"float rrthreshold\" [1] \"string lightsamplestrategy\" [\"power\"]",
     bidirectional: " \"string lightsamplestrategy\" [\"power\"]",
     metropolis: "",
     light_tracing: None,
@@ -103,7 +99,6 @@ static V4: Names = Names {
     film: ("rgb", "exr", " \"bool savefp16\" [false]"),
     filter_radius: ("xradius", "yradius"),
     sampler: "independent",
-    integrator: " \"string lightsampler\" [\"bvh\"] \"bool regularize\" [false]",
     bidirectional: " \"bool regularize\" [false]",
     metropolis: " \"bool regularize\" [false]",
     light_tracing: Some("lightpath"),
@@ -116,6 +111,51 @@ static V4: Names = Names {
     mirror: ("conductor", "reflectance", " \"float roughness\" [0]"),
     plain_roughness: "\"bool remaproughness\" [false]",
 };
+
+/// `thickness` of v4's coats. The layer between coat and base, 0.01 by default, absorbs exp(-thickness / cosine) of the light even
+/// where there is no medium in it: a base of 0.5 has 0.3045 head-on, with 0 it has 0.3160 (measured). pbrt-v4 takes 0 for the
+/// least positive number (`LayeredBxDF`); its port pbrt-r4 does not, and gives 0.2592.
+pub const THICKNESS: f64 = 1e-6;
+
+/// The edge of a spot in degrees below which v4's light samplers `bvh` and `exhaustive` take it for black, by its bound
+/// `cosTheta_e` (`SpotLight::Bounds`, whose cosine has 15 bits): measured with 0 and 0.02 degrees; from 0.1 on it has room.
+const SHARPEST: f64 = 0.1;
+
+/// `Integrator "path"`: parameters beside the depth, among them how it chooses a light.
+///
+/// v3's default, "spatial", does not end with a hundred thousand emitting triangles (measured with rs_pbrt 0.9.12 and
+/// pbrt-v3). v4's default is written out, but where a spot is sharp: `power` lights that as it should (measured), and knows all
+/// lights, environments among them, at the price of noise where many lights are far away. It weighs them at four wavelengths,
+/// where a spectrum may be 0; `uniform` looks at nothing.
+pub fn path(version: Version, scene: &Scene) -> String {
+    let sampler = match version {
+        Version::V3 => return " \"float rrthreshold\" [1] \"string lightsamplestrategy\" [\"power\"]".to_owned(),
+        Version::V4 if !scene.lights.values().any(|light| sharp(&light.kind)) => "bvh",
+        Version::V4 if spectra(scene) => "uniform",
+        Version::V4 => "power",
+    };
+    format!(" \"string lightsampler\" [\"{sampler}\"] \"bool regularize\" [false]")
+}
+
+fn sharp(kind: &LightKind) -> bool {
+    matches!(kind, LightKind::Spot { position: _, target: _, intensity: _, angle, inner } if angle - inner < SHARPEST)
+}
+
+/// Whether any light has a spectrum of its own.
+fn spectra(scene: &Scene) -> bool {
+    let shapes = scene.shapes.values().chain(scene.groups.values().flat_map(|group| group.shapes.values()));
+    let surfaces = shapes.filter_map(|shape| shape.emission.as_ref()).map(|emission| &emission.radiance);
+    let others = scene.lights.values().map(|light| light.kind.color());
+    surfaces.chain(others).any(|color| color.spectrum().is_some())
+}
+
+/// `conedeltaangle`: how wide a spot's edge is. v4's `sppm` has no choice of light sampler, and takes `bvh`.
+pub fn cone_delta(version: Version, integrator: &Integrator, angle: f64, inner: f64) -> f64 {
+    match (version, integrator) {
+        (Version::V4, Integrator::PhotonMap { max_depth: _ }) => (angle - inner).max(SHARPEST.min(angle)),
+        _ => angle - inner,
+    }
+}
 
 /// What a version does with an image: v3 reads PNG, OpenEXR and PFM (`ReadImage` of `imageio.cpp`; TGA beside them); v4 all formats,
 /// takes JPEG as sRGB whatever the file says (`Image::Read` of `image.cpp`), and an environment as an octahedron.

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::names::Version;
+use super::names::{self, Version};
 use super::text::{Params, Said};
 use crate::files::VPath;
 use crate::formats::shared::reading::{Fresnel, Inside, MIX_LIMIT, Model, Paint, Rgb};
@@ -95,6 +95,9 @@ impl Known<'_> {
             (Version::V4, "coateddiffuse") => {
                 let base = self.paint("reflectance", 0.5, params, to);
                 let ior = params.float("eta", to).unwrap_or(1.5);
+                if params.float("thickness", to).is_none_or(|thickness| thickness > names::THICKNESS) {
+                    to.say(SYNTAX, params.at, "a coat whose layer absorbs light by its `thickness` is not read");
+                }
                 Some(Model::Coated { base, inside: Inside::Base, ior, alpha: self.alpha(0.0, params, to) })
             }
             (Version::V4, "mix") => self.mix(params, to),

@@ -1,0 +1,59 @@
+//! pbrt-r3, PBRT version 3 ported to Rust by Toru Matsuoka.
+
+use std::process::Command;
+
+use super::{Crate, Delivery, Driver, Installation, Job, Plan, RenderError, bar, emitted, pbrt};
+
+pub(super) const ROW: Driver = Driver {
+    name: "pbrt-r3",
+    aliases: &["pbrt_r3", "r3"],
+    summary: "a port of PBRT version 3 to Rust, path tracing on the processor",
+    target: "pbrt-v3",
+    main_file: "scene.pbrt",
+    version: "3.2.0",
+    installation: Installation::Cargo(Crate {
+        name: "pbrt-r3",
+        program: "pbrt-r3",
+        // The newest of its locked dependencies, clap 4.5.21, asks for Rust 1.74; its own code for 1.80.
+        oldest: 80,
+        flags: &[],
+        environment: &[],
+    }),
+    programs: &["pbrt-r3"],
+    asks_named: true,
+    test_scene: &[
+        ("scene.pbrt", include_str!("test_scenes/pbrt3.pbrt")),
+        ("emitter.ply", include_str!("test_scenes/emitter.ply")),
+        ("surface.ply", include_str!("test_scenes/surface.ply")),
+    ],
+    wavelengths: None,
+    failures: &[" ERROR] "],
+    hints: pbrt::PORT_HINTS,
+    probe: |executable| pbrt::port(executable, "pbrt-r3"),
+    plan,
+};
+
+/// It has no seed: its samplers are numbered by tiles (`SamplerIntegrator`).
+fn plan(job: &Job<'_>) -> Result<Plan, RenderError> {
+    pbrt::no_seed(job, "pbrt-r3")?;
+    let changed = pbrt::samples(job)?;
+    let main = if changed.is_empty() { job.main.to_owned() } else { emitted::copy(job, &changed)? };
+    let image = job.scratch.join("image.exr");
+    let mut command = Command::new(job.executable);
+    if let Some(threads) = job.request.threads {
+        command.arg("--nthreads").arg(threads.to_string());
+    }
+    // It keeps images in the system's temporary folder.
+    for variable in ["TMPDIR", "TEMP", "TMP"] {
+        command.env(variable, job.scratch);
+    }
+    command.arg("--outfile").arg(&image).arg(main).current_dir(job.scratch);
+    let facts = defects(job).map(|what| ("defects".to_owned(), what.to_owned()));
+    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses), facts: facts.into_iter().collect() })
+}
+
+/// What it renders otherwise than PBRT 3 by more than noise, of what is in the scene (docs/conventions.md).
+fn defects(job: &Job<'_>) -> Option<&'static str> {
+    let disney = emitted::texts(job.folder, "pbrt").any(|(_, text)| text.contains("\"disney\""));
+    disney.then_some("its principled materials differ: of metals half as much again is seen, at grazing angles less")
+}
