@@ -267,10 +267,27 @@ fn textures_are_scaled_and_moved_by_their_options() {
 
 #[test]
 fn concave_faces_keep_their_area_in_all_formats() {
-    let area = |extension: &str, text: &str| {
-        let (geometry, _) = read(extension, text.as_bytes(), None, &mut alone).expect("a good file");
+    let area_of = |extension: &str, bytes: &[u8]| {
+        let (geometry, _) = read(extension, bytes, None, &mut alone).expect("a good file");
         crate::mesh::area((&geometry).into())
     };
+    let area = |extension: &str, text: &str| area_of(extension, text.as_bytes());
+    let header = |format: &str| {
+        format!(
+            "ply\nformat {format} 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n\
+             element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        )
+    };
+    let corners = [[4.0_f32, -2.0, 0.0], [1.0, 0.0, 0.0], [4.0, 2.0, 0.0], [0.0; 3]];
+    assert_eq!(area("ply", &format!("{}4 -2 0\n1 0 0\n4 2 0\n0 0 0\n4 0 1 2 3\n", header("ascii"))), 2.0);
+    for (format, big) in [("binary_little_endian", false), ("binary_big_endian", true)] {
+        let mut bytes = header(format).into_bytes();
+        let put = |x: [u8; 4]| if big { [x[3], x[2], x[1], x[0]] } else { x };
+        bytes.extend(corners.as_flattened().iter().flat_map(|x| put(x.to_le_bytes())));
+        bytes.push(4);
+        bytes.extend((0..4_i32).flat_map(|x| put(x.to_le_bytes())));
+        assert_eq!(area_of("ply", &bytes), 2.0, "{format}");
+    }
     let dart = "v 4 -2 0\nv 1 0 0\nv 4 2 0\nv 0 0 0\n";
     assert_eq!(area("obj", &format!("{dart}f 1 2 3 4\n")), 2.0);
     // Before its corners.
@@ -306,8 +323,9 @@ fn noisy_line() -> impl Strategy<Value = String> {
         (1..9_i32).prop_map(|x| x.to_string()),
     ];
     let corner = prop::collection::vec((-9..9_i32).prop_map(|x| x.to_string()), 1..4).prop_map(|all| all.join("/"));
-    let keyword =
-        prop::sample::select(vec!["v", "v", "vt", "vn", "f", "f", "f", "o", "g", "s", "l", "usemtl", "#", "\\", ""]);
+    let keyword = prop::sample::select(vec![
+        "v", "v", "vt", "vn", "f", "f", "f", "o", "g", "s", "l", "mtllib", "usemtl", "#", "\\", "",
+    ]);
     let word = prop_oneof![3 => number, 3 => corner, 1 => "\\PC{0,4}"];
     (keyword, prop::collection::vec(word, 0..6)).prop_map(|(keyword, words)| format!("{keyword} {}", words.join(" ")))
 }
@@ -325,6 +343,15 @@ proptest! {
                 prop_assert!(geometry.triangles.len() <= bytes.len());
             }
             let _ = read("obj", bytes, Some("1"), &mut alone);
+            // The text stands for its library too.
+            let library = [b"newmtl 1\nmap_Kd -s 2 2 a.png\n", &bytes[..]].concat();
+            let mut beside = |_: &str| -> Result<Box<dyn AsRef<[u8]>>, String> { Ok(Box::new(library.clone())) };
+            if let Ok((model, _)) = read_parts("obj", bytes, &mut beside) {
+                for (_, mesh) in &model.meshes {
+                    prop_assert_eq!(mesh.check(), Ok(()));
+                    prop_assert!(mesh.normals.is_some());
+                }
+            }
             let _ = parts("obj", bytes);
         }
     }

@@ -14,7 +14,8 @@ impl Placing {
 
     /// The texture coordinates under which a texture that lies plainly looks the same.
     pub fn apply(&self, uv: [f32; 2]) -> [f32; 2] {
-        [0, 1].map(|axis| (f64::from(uv[axis]) * self.scale[axis] + self.offset[axis]) as f32)
+        let placed = [0, 1].map(|axis| (f64::from(uv[axis]) * self.scale[axis] + self.offset[axis]) as f32);
+        if placed.iter().all(|x| x.is_finite()) { placed } else { uv }
     }
 }
 
@@ -132,6 +133,8 @@ mod tests {
 
     #[test]
     fn placing_scales_before_it_moves() {
-        assert_eq!(Placing { scale: [2.0, 3.0], offset: [0.5, -1.0] }.apply([1.0, 0.5]), [2.5, 0.5]);
+        let placing = Placing { scale: [2.0, 3.0], offset: [0.5, -1.0] };
+        assert_eq!(placing.apply([1.0, 0.5]), [2.5, 0.5]);
+        assert_eq!(placing.apply([f32::MAX, 0.5]), [f32::MAX, 0.5]);
     }
 }
