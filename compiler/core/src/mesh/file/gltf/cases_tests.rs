@@ -1,6 +1,7 @@
 //! What valid files hold beyond plain meshes: transforms of textures, instances, skins, morph targets, sparse accessors, colors of
 //! vertices, extensions; and what files that are not valid say there.
 
+use proptest::prelude::*;
 use serde_json::{Value, json};
 
 use super::super::model::{Model, Scatter, Surface};
@@ -704,6 +705,90 @@ fn numbers_are_those_that_the_crate_gltf_reads() {
             let near = |(a, b): (&[f32; 2], &[f32; 2])| (a[0] - b[0]).abs() < 1e-6 && (a[1] - b[1]).abs() < 1e-6;
             assert!(downwards.iter().zip(uvs).all(near), "{downwards:?} {uvs:?}");
             assert_eq!(own.triangles.as_flattened(), corners.as_slice());
+        }
+    }
+}
+
+#[test]
+fn many_numbers_out_of_range_are_not_said_one_by_one() {
+    let bytes = changed(|document| {
+        let wrong = json!({"pbrMetallicRoughness": {"roughnessFactor": 7}});
+        document["materials"].as_array_mut().expect("a list").extend(vec![wrong; 100]);
+    });
+    let (_, notes) = parts(&bytes);
+    let found: Vec<(&str, &str)> = notes.iter().map(|note| (note.place.as_str(), note.message.as_str())).collect();
+    let place = "/materials/1/pbrMetallicRoughness/roughnessFactor";
+    assert_eq!(found, [(place, "`roughnessFactor` is 7, and glTF asks for 0 to 1 (100 times)")]);
+}
+
+/// Skin, morph target, sparse accessor, instances, colors and an image in one file.
+fn everything() -> (Value, Vec<u8>) {
+    let file = bound(|document| {
+        document["accessors"][0]["sparse"] = json!({"count": 1,
+            "indices": {"bufferView": 3, "componentType": 5123}, "values": {"bufferView": 1}});
+        painted(
+            document,
+            json!({"index": 0, "extensions": {"KHR_texture_transform": {"scale": [2, 3], "rotation": 1}}}),
+        );
+        document["textures"][0]["sampler"] = json!(0);
+        document["samplers"] = json!([{"wrapS": 33071}]);
+        let primitive = &mut document["meshes"][0]["primitives"][0];
+        primitive["targets"] = json!([{"POSITION": 1, "NORMAL": 1, "TEXCOORD_0": 2}]);
+        primitive["attributes"]["COLOR_0"] = json!(1);
+        document["meshes"][0]["weights"] = json!([0.5]);
+        document["nodes"][2]["mesh"] = json!(0);
+        document["nodes"][2]["extensions"] =
+            json!({"EXT_mesh_gpu_instancing": {"attributes": {"TRANSLATION": 0, "SCALE": 1, "ROTATION": 5}}});
+    });
+    let (text, chunk) = super::document::split(&file).expect("a good file");
+    (serde_json::from_slice(text).expect("JSON"), file[chunk.expect("a chunk")].to_vec())
+}
+
+/// Pointers to all values within a value.
+fn pointers(value: &Value, place: &str, all: &mut Vec<String>) {
+    all.push(place.to_owned());
+    match value {
+        Value::Object(map) => map.iter().for_each(|(key, one)| pointers(one, &format!("{place}/{key}"), all)),
+        Value::Array(list) => {
+            list.iter().enumerate().for_each(|(at, one)| pointers(one, &format!("{place}/{at}"), all))
+        }
+        Value::Null | Value::Bool(_) | Value::Number(_) | Value::String(_) => {}
+    }
+}
+
+#[test]
+fn everything_at_once_is_read() {
+    let (mut document, bytes) = everything();
+    // Scales of 0 along an axis flatten; the normals are none.
+    document["nodes"][2]["extensions"]["EXT_mesh_gpu_instancing"]["attributes"] =
+        json!({"TRANSLATION": 0, "ROTATION": 5});
+    let (model, notes) = parts(&glb(&document, &bytes));
+    assert_eq!((model.parts.len(), model.meshes.len()), (5, 2), "{notes:?}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 600, ..ProptestConfig::default() })]
+
+    /// One value of a file is another one: that is an error or a model that is consistent.
+    #[test]
+    fn any_value_anywhere_does_no_harm(at in any::<prop::sample::Index>(), what in 0..14_usize) {
+        let (mut document, bytes) = everything();
+        let mut all = Vec::new();
+        pointers(&document, "", &mut all);
+        let values = [
+            json!(null), json!(-1), json!(0), json!(1), json!(2), json!(99), json!(1e300), json!(u64::MAX), json!(4_000_000_000_u64),
+            json!("x"), json!([]), json!({}), json!([0, 0, 0, 0]), json!([1e30, -1e30, 0.5]),
+        ];
+        *document.pointer_mut(&all[at.index(all.len())]).expect("a value") = values[what].clone();
+        let file = glb(&document, &bytes);
+        if let Ok((model, _)) = read_parts("glb", &file, &mut alone) {
+            prop_assert!(model.meshes.iter().all(|(_, geometry)| geometry.check().is_ok()));
+            for part in &model.parts {
+                prop_assert!(part.mesh < model.meshes.len() && part.surface.is_none_or(|at| at < model.surfaces.len()));
+            }
+        }
+        if let Ok((geometry, _)) = read_file("glb", &file, None, &mut alone) {
+            prop_assert!(geometry.check().is_ok());
         }
     }
 }

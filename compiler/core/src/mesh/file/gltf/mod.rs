@@ -42,9 +42,7 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>, beside: &mut Beside<'_>) ->
         let found: accessor::Blob<'_> = beside(path).map_err(|message| FileError::new(item.place(), message))?;
         Ok(found)
     })?;
-    for fault in ranges::check(&document, FAULTS)? {
-        notes.push(Note::warn(fault.place, fault.message));
-    }
+    faults(&document, &mut notes)?;
     let mut reader = Reader {
         nodes: document.list("nodes")?,
         meshes: document.list("meshes")?,
@@ -76,8 +74,23 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>, beside: &mut Beside<'_>) ->
     Ok((model, notes))
 }
 
-/// Numbers out of range that are said one by one.
-const FAULTS: usize = 8;
+/// Numbers out of range that are looked at.
+const FAULTS: usize = 10_000;
+
+/// Says what is not as glTF asks for, once for each key of each list.
+fn faults(document: &Document<'_>, notes: &mut Vec<Note>) -> Result<(), FileError> {
+    let mut known: BTreeMap<(String, String), (FileError, u64)> = BTreeMap::new();
+    for fault in ranges::check(document, FAULTS)? {
+        let mut words = fault.place.split('/').skip(1).map(str::to_owned);
+        let key = (words.next().unwrap_or_default(), words.last().unwrap_or_default());
+        known.entry(key).or_insert((fault, 0)).1 += 1;
+    }
+    for (fault, count) in known.into_values() {
+        let times = if count > 1 { format!(" ({})", super::plural(count, "time")) } else { String::new() };
+        notes.push(Note::warn(fault.place, format!("{}{times}", fault.message)));
+    }
+    Ok(())
+}
 
 /// What makes two primitives the same mesh: accessors of positions, normals, texture coordinates, indices and colors, the mode, how
 /// texture coordinates are turned, and for morph targets the primitive with their weights.
@@ -346,14 +359,17 @@ impl<'v> Reader<'v, '_> {
         for (what, seen) in others {
             self.skip(*mesh, what, seen);
         }
-        let index =
-            |holder: Option<Item<'v>>, key: &str| match holder.and_then(|holder| Some((holder, holder.get(key)?))) {
-                None => Ok(None),
-                Some((_, value)) => match document::whole(value).filter(|at| *at < self.buffers.accessors().len()) {
-                    Some(at) => Ok(Some(at)),
-                    None => Err(FileError::new("", format!("the index of `{key}` points to nothing"))),
-                },
-            };
+        let colored = |target: Item<'_>| target.keys().any(|key| key.starts_with("COLOR_"));
+        if weights.iter().any(|weight| *weight != 0.0) && item.objects("targets").any(colored) {
+            self.skip(*mesh, "morph targets of colors are not read", true);
+        }
+        let index = |holder: Option<Item<'v>>, key: &str| match holder.and_then(|holder| holder.get(key)) {
+            None => Ok(None),
+            Some(value) => match document::whole(value).filter(|at| *at < self.buffers.accessors().len()) {
+                Some(at) => Ok(Some(at)),
+                None => Err(FileError::new("", format!("the index of `{key}` points to nothing"))),
+            },
+        };
         let (positions, indices) = (index(attributes, "POSITION")?, index(Some(*item), "indices")?);
         let (normals, uvs, colors) =
             (index(attributes, "NORMAL")?, index(attributes, &uv)?, index(attributes, "COLOR_0")?);
