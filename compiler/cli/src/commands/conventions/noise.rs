@@ -6,8 +6,8 @@ use super::kinds::{Axis, Channel, Measure, Tolerance};
 use super::measure::pixels;
 use super::results::Asked;
 
-/// The most samples of an image, all pixels together: some ten seconds.
-const MOST: f64 = 8e6;
+/// The most samples of an image, all pixels together: some five seconds.
+const MOST: f64 = 4e6;
 
 /// Standard errors that a bound has room for.
 const ERRORS: f64 = 4.0;

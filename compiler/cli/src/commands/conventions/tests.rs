@@ -15,7 +15,7 @@ use ltsc_render::run::{Driver, driver};
 use super::formula::{box_edge, furnace, gaussian_edge};
 use super::ideal::Ideal;
 use super::judge::Verdict;
-use super::kinds::{By, Convention, Expected, Known, Measure, View};
+use super::kinds::{By, Check, Convention, Expected, Known, Measure, View};
 use super::measure::measure;
 use super::records::{At, RECORDS};
 use super::results::{self, Asked, Results, Row};
@@ -69,7 +69,7 @@ fn asked(name: &str, view: usize) -> Asked {
 fn judged(one: &Asked, image: &Image, renderer: &str) -> Vec<Row> {
     let ideal = || Ideal::new(&one.scene).image();
     let of = |(at, check): (usize, &Check)| one.row(at, by(renderer), Ok(measure(&check.measure, image, &ideal)));
-    one.checks().map(of).collect()
+    one.view.checks.iter().enumerate().map(of).collect()
 }
 
 fn verdict(rows: &[Row], check: &str) -> Verdict {

@@ -9,8 +9,9 @@ use crate::ir::{Bsdf, Color, ColorOrTexture, Emission, LightSource, Material, Sc
 /// More colors than this are not looked at: their pairs would take too long.
 const MOST: usize = 100;
 
-/// A channel with less than this share of the brightest one is black.
-const BLACK: f64 = 1e-3;
+/// A channel with less than this share of the brightest one is black: what is seen in it may be anything of that order, below 0
+/// even, and a share of it says nothing.
+const BLACK: f64 = 0.02;
 
 /// Angles in degrees at which metals are looked at.
 const ANGLES: [f64; 6] = [0.0, 30.0, 45.0, 60.0, 75.0, 85.0];
@@ -71,7 +72,8 @@ fn of_products(scene: &Scene, wanted: impl Fn(bool, usize) -> bool) -> Option<Bo
                 };
                 let shown = |value: f64| format!("{:.4}", value / brightest);
                 let what = format!(
-                    "of the {} light of `{}` {way} ({} instead of {}, of the brightest channel), more with each further reflection",
+                    "of the {} light of `{}` {way} ({} instead of {}, of the brightest channel; channels below 2 % of it \
+                     left out), more with each further reflection",
                     CHANNELS[channel],
                     light.name,
                     shown(found[channel]),

@@ -3,7 +3,9 @@
 use ltsc_core::capability::Feature;
 
 use super::super::formula::slab_once;
-use super::super::kinds::{Axis, Channel, Check, Convention, Expected, Measure, Region, Tolerance, View, area};
+use super::super::kinds::{
+    Axis, By, Channel, Check, Convention, Expected, Known, Measure, Region, Tolerance, View, Within, area,
+};
 use super::{check, convention};
 
 pub(super) const ROWS: &[Convention] = &[
@@ -97,7 +99,15 @@ const DARK: Tolerance = Tolerance::Plain(1e-4);
 const WHOLE: Measure = Measure::Mean(Region::ALL, Channel::All);
 
 const fn middle(name: &'static str, channel: Channel, axis: Axis, expected: f64) -> Check {
-    check(name, Measure::Middle(channel, axis), Expected::Number(expected), Tolerance::Plain(0.1))
+    Check {
+        // What little of another colour's light is seen in a channel lies up to 40 pixels away.
+        known: &[Known {
+            target: Some("pbrt-v4"),
+            by: By::Feature(Feature::ColouredDiffuse, "one bounce to 0.2 % of the brightest channel"),
+            within: Within::Distance(0.5),
+        }],
+        ..check(name, Measure::Middle(channel, axis), Expected::Number(expected), Tolerance::Plain(0.1))
+    }
 }
 
 /// Columns from and to, rows from and to, of an image of 64 pixels; what is meant is a quarter of a pixel away from its neighbours.
