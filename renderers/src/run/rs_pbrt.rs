@@ -111,7 +111,10 @@ fn readable(job: &Job<'_>) -> Result<(), RenderError> {
             let ending = file.rsplit('.').next().unwrap_or_default().to_ascii_lowercase();
             if !kinds.contains(&ending.as_str()) {
                 return Err(RenderError::Request {
-                    message: format!("rs_pbrt would read the image `{file}` of `{}` as something else", path.display()),
+                    message: {
+                        let place = path.file_name().unwrap_or_default().to_string_lossy();
+                        format!("rs_pbrt would read the image `{file}` of `{place}` as something else")
+                    },
                     hint: format!("it reads {} here; use `pbrt-v3`, which reads all of them", kinds.join(", ")),
                 });
             }
