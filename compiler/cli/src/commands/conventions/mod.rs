@@ -21,7 +21,7 @@ use std::time::Duration;
 
 use ltsc_core::diag::nearest;
 use ltsc_core::formats::Target;
-use ltsc_render::run::Driver;
+use ltsc_render::run::{Driver, RenderError};
 
 use crate::args::{Conventions, Format};
 use crate::disk::{unwritable, write_atomically};
@@ -34,7 +34,7 @@ use super::render::find_driver;
 pub use coverage::built_in as measured_by;
 use judge::Verdict;
 use kinds::Convention;
-use results::{Asked, Results, Row};
+use results::{Asked, Results, Row, Unmeasured};
 
 pub fn run(command: &Conventions) -> Result<Exit, Failure> {
     let chosen = chosen(&command.only)?;
@@ -128,7 +128,11 @@ fn measured(runner: &Runner, asked: &[Asked]) -> Result<Results, Failure> {
                 version = Some(rendered.renderer_version).filter(|found| !found.is_empty()).unwrap_or(version);
                 Ok(rendered.image)
             }
-            Err(error) => Err(error.to_string()),
+            Err(error) => {
+                let refused = matches!(error, RenderError::Request { .. });
+                let verdict = if refused { Verdict::Unsupported } else { Verdict::Fails };
+                Err(Unmeasured { verdict, reason: error.to_string() })
+            }
         };
         for (at, (check, _)) in one.checks().enumerate() {
             let ideal = || ideal::Ideal::new(&one.scene).image();
@@ -208,7 +212,7 @@ fn again(rows: &[Row], asked: &[Asked], by: (&Driver, &Target)) -> Vec<Row> {
         for (at, (check, _)) in one.checks().enumerate() {
             let Some(row) = rows.iter().find(|row| one.is(check, row)) else { continue };
             let measured = match (row.measured, &row.because) {
-                (None, Some(reason)) => Err(reason.clone()),
+                (None, Some(reason)) => Err(Unmeasured { verdict: row.verdict, reason: reason.clone() }),
                 (measured, _) => Ok(measured),
             };
             all.push(one.row(at, by, measured));

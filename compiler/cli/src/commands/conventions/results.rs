@@ -83,6 +83,15 @@ pub struct Asked {
     pub expected: Vec<f64>,
 }
 
+/// Why there is no image to measure.
+#[derive(Clone, Debug)]
+pub struct Unmeasured {
+    /// Whether the renderer failed, or its driver refuses what it is known to take for something else.
+    pub verdict: Verdict,
+    /// In words.
+    pub reason: String,
+}
+
 impl Asked {
     /// Works the answers out.
     pub fn new(convention: &'static Convention, view: &'static View) -> Result<Self, Failure> {
@@ -116,7 +125,7 @@ impl Asked {
     }
 
     /// The row of the check at `at` for what was measured with a renderer, or the reason why nothing was.
-    pub fn row(&self, at: usize, (driver, target): (&Driver, &Target), measured: Result<Option<f64>, String>) -> Row {
+    pub fn row(&self, at: usize, (driver, target): (&Driver, &Target), measured: Result<Option<f64>, Unmeasured>) -> Row {
         let (check, expected) = (&self.view.checks[at], self.expected[at]);
         let (bound, relative) = check.tolerance.parts();
         let bound = rounded(bound + noise::left(driver, self, at));
@@ -125,7 +134,7 @@ impl Asked {
                 let measured = measured.map(rounded);
                 (measured, judge(check, target, &self.scene, expected, measured, bound))
             }
-            Err(reason) => (None, (Verdict::Fails, Some(reason))),
+            Err(Unmeasured { verdict, reason }) => (None, (verdict, Some(reason))),
         };
         Row {
             convention: self.convention.name.to_owned(),

@@ -20,7 +20,8 @@ macro_rules! image {
     };
 }
 
-const IMAGES: &[(&str, &[u8])] = &[
+/// All of them, by their paths.
+pub const IMAGES: &[(&str, &[u8])] = &[
     image!("colors.png"),
     image!("dark.png"),
     image!("edge.exr"),

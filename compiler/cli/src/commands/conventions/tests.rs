@@ -89,10 +89,14 @@ fn changed(name: &str, view: usize, change: impl Fn(String) -> String) -> Image 
 #[test]
 fn every_scene_has_its_row_and_every_row_its_scene() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("compiler/cli/conventions");
-    let there: BTreeSet<String> = fs::read_dir(folder)
-        .expect("the folder of scenes")
-        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
-        .collect();
+    let names = |folder: &Path| -> BTreeSet<String> {
+        let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").file_name());
+        entries.map(|name| name.to_string_lossy().into_owned()).collect()
+    };
+    let images: BTreeSet<String> = scene::IMAGES.iter().map(|(name, _)| name.replace("images/", "")).collect();
+    assert_eq!(names(&folder.join("images")), images, "images that scenes name");
+    let mut there = names(&folder);
+    there.remove("images");
     let rows: BTreeSet<String> = table::all().map(|convention| format!("{}.lts", convention.name)).collect();
     assert_eq!(there, rows);
     assert_eq!(rows.len(), table::all().count(), "two conventions of one name");

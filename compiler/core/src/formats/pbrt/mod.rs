@@ -276,8 +276,8 @@ fn supports_v3(feature: Feature) -> Support {
             "half a row of pixels at each pole (`InfiniteAreaLight::Le`: its `MIPMap` repeats); exact elsewhere",
         ),
         Feature::Texture => Support::approximate(
-            "PBRT v3 averages an image over the footprint of a pixel of the film",
-            "edges within an image blurred by about a pixel of the film (`MIPMap::Lookup`)",
+            "PBRT v3 takes a coarser copy of an image where a pixel of the film sees several of its pixels",
+            "edges within an image blurred by about a pixel of the film (`MIPMap::Lookup`); exact where the image is magnified",
         ),
         Feature::DeepTexture => Support::approximate(
             "PBRT v3 reads PNG files with 8 bits",

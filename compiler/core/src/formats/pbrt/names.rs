@@ -181,12 +181,13 @@ pub fn images_v4(texture: &Texture, purpose: Use) -> Form {
     images(Version::V4, texture, purpose)
 }
 
-/// `Texture "imagemap"`: how pixels are decoded, and looked up between their middles. v3 averages over an ellipse (its only other
-/// way is a pyramid); v4's default is written out.
+/// `Texture "imagemap"`: how pixels are decoded, and looked up between their middles. v3's default averages over an
+/// ellipse of at least a pixel of the image, which is no line between two pixels (0.061 where 0.125 is due, pbrt-r3 3.2.0 and rs_pbrt
+/// 0.9.12); its pyramid is one where the image is magnified. v4's default is written out.
 pub fn lookup(version: Version, texture: &Texture) -> &'static str {
     match (version, texture.encoding) {
-        (Version::V3, Encoding::Srgb) => "\"bool gamma\" [\"true\"] \"bool trilinear\" [\"false\"]",
-        (Version::V3, Encoding::Linear) => "\"bool gamma\" [\"false\"] \"bool trilinear\" [\"false\"]",
+        (Version::V3, Encoding::Srgb) => "\"bool gamma\" [\"true\"] \"bool trilinear\" [\"true\"]",
+        (Version::V3, Encoding::Linear) => "\"bool gamma\" [\"false\"] \"bool trilinear\" [\"true\"]",
         (Version::V4, Encoding::Srgb) => "\"string encoding\" [\"sRGB\"] \"string filter\" [\"bilinear\"]",
         (Version::V4, Encoding::Linear) => "\"string encoding\" [\"linear\"] \"string filter\" [\"bilinear\"]",
     }
