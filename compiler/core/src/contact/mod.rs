@@ -49,7 +49,7 @@ pub struct Contacts {
 
 impl Contacts {
     /// Finds the contacts that can matter: of a dielectric or an emitter with anything within [`nearness`], and of others within
-    /// [`coplanarity`]; where those have one material, of meshes up to 4096 triangles. A dielectric is also held against itself, for
+    /// [`coplanarity`]; where those have one material, if one of the two has at most 256 triangles. A dielectric is also held against itself, for
     /// walls that are too thin.
     ///
     /// Time is near-linear in the number of uses and triangles where few boxes of uses overlap; a pair of meshes at the same

@@ -28,8 +28,8 @@ const FEW: usize = 16;
 /// out are pairs of large meshes.
 const HEAVY: usize = 4096;
 
-/// Pairs of opaque uses of one material, which matter to one renderer only, come last and get this part of the work; of meshes that are
-/// large as above they are not looked at.
+/// Pairs of opaque uses of one material, which matter to one renderer only, come last and get this part of the work; where neither mesh is
+/// small as above they are not looked at.
 const ALIKE: u64 = 4;
 
 /// Triangles of one mesh that are looked for in the tree of another together: neighbours in a mesh mostly lie side by side.
@@ -124,8 +124,9 @@ impl<'s> Search<'s> {
     pub fn run(mut self) -> Contacts {
         let placed = &self.survey.placed;
         let mut contacts = Contacts::default();
-        let large: Vec<bool> =
-            placed.iter().map(|placed| self.survey.scene.meshes[placed.shape.mesh].triangles.len() > HEAVY).collect();
+        let count = |placed: &Placed<'_>| self.survey.scene.meshes[placed.shape.mesh].triangles.len();
+        let large: Vec<bool> = placed.iter().map(|placed| count(placed) > HEAVY).collect();
+        let small: Vec<bool> = placed.iter().map(|placed| count(placed) <= SMALL).collect();
         // What two uses have in common reaches no farther than either, so that each box may be grown by its own distance.
         let grown: Vec<Bounds> =
             placed.iter().zip(&self.reaches).map(|(placed, reach)| placed.bounds.grown(nearness(*reach))).collect();
@@ -143,7 +144,7 @@ impl<'s> Search<'s> {
             |at| grown[at],
             |one, other| {
                 let same = classes[one].is_some() && classes[one] == classes[other];
-                if same && (large[one] || large[other]) {
+                if same && !small[one] && !small[other] {
                     return;
                 }
                 let into = if same { &mut alike } else { &mut pairs };
