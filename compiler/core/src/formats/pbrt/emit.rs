@@ -151,7 +151,7 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
             let readable = version == Version::V3 && names::reads(version, &scene.textures[texture]);
             readable.then(|| format!("{}{}", emission.textures, formats::texture_files(scene)[texture.index()]))
         });
-        light(version, scene, kind, image.flatten().as_deref(), out)?;
+        light(version, kind, image.flatten().as_deref(), out)?;
     }
     let surface = |shape: &Shape, out: &mut dyn Write| {
         let Shape { name, mesh, transform, material, emission } = shape;
@@ -194,13 +194,7 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
 /// A light without a surface. v4 divides each of them by the luminance of its white, as it does with emitting surfaces, so
 /// that the numbers pass through as long as there is neither `scale` nor `power` nor `illuminance` (`lights.cpp`, `Create`
 /// of each light). Light of `distant` goes from `from` to `to`, and `L` is the irradiance across it (`Sample_Li`).
-fn light(
-    version: Version,
-    scene: &Scene,
-    kind: &LightKind,
-    image: Option<&str>,
-    out: &mut dyn Write,
-) -> io::Result<()> {
+fn light(version: Version, kind: &LightKind, image: Option<&str>, out: &mut dyn Write) -> io::Result<()> {
     let point = version.names().point;
     match kind {
         LightKind::Environment { radiance: ColorOrTexture::Texture(_) } => match image {
@@ -230,7 +224,7 @@ fn light(
             Row(target, " "),
             light_color(version, "I", intensity),
             Num(*angle),
-            Num(names::cone_delta(version, &scene.integrator, *angle, *inner))
+            Num(angle - inner)
         ),
         LightKind::Directional { direction, irradiance } => writeln!(
             out,
