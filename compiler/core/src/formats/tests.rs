@@ -436,9 +436,6 @@ fn a_sharp_spot_is_lit_in_pbrt() {
     }
     let warm = Color::Spectrum(Spectrum::new(&[(620.0, 0.0), (640.0, 1.0), (660.0, 0.0)], Meaning::Light));
     assert!(written(26.0, path(), warm).contains("[\"uniform\"]"), "four wavelengths may miss a line");
-    // Photon mapping has `bvh` and no choice.
-    let photons = written(26.0, Integrator::PhotonMap { max_depth: 4 }, Color::Grey(100.0));
-    assert!(photons.contains("\"float conedeltaangle\" [0.1]") && !photons.contains("lightsampler"), "{photons}");
 }
 
 #[test]

@@ -49,7 +49,7 @@ pub const V4: &[(Feature, &str)] = &[
     ),
     (
         Feature::SpotLight,
-        "coneangle = angle, conedeltaangle = angle - inner, at least 0.1 with photon mapping; an edge below 0.1 degrees makes `lightsampler` \
+        "coneangle = angle, conedeltaangle = angle - inner; an edge below 0.1 degrees makes `lightsampler` \
          `power`",
     ),
     (Feature::Spectrum, "scale of a light = its luminance, which v4 divides by"),

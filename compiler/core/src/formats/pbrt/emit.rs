@@ -148,7 +148,7 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
         let LightSource { name, kind } = item;
         writeln!(out, "\n# {}", Line(name))?;
         let image = images::sky_path(emission, kind, version.images());
-        light(version, scene, kind, image.as_deref().unwrap_or_default(), out)?;
+        light(version, kind, image.as_deref().unwrap_or_default(), out)?;
     }
     let surface = |shape: &Shape, out: &mut dyn Write| {
         let Shape { name, mesh, transform, material, emission } = shape;
@@ -191,7 +191,7 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
 /// A light without a surface. v4 divides each of them by the luminance of its white, as it does with emitting surfaces, so
 /// that the numbers pass through as long as there is neither `scale` nor `power` nor `illuminance` (`lights.cpp`, `Create`
 /// of each light). Light of `distant` goes from `from` to `to`, and `L` is the irradiance across it (`Sample_Li`).
-fn light(version: Version, scene: &Scene, kind: &LightKind, image: &str, out: &mut dyn Write) -> io::Result<()> {
+fn light(version: Version, kind: &LightKind, image: &str, out: &mut dyn Write) -> io::Result<()> {
     let point = version.names().point;
     match kind {
         LightKind::Environment { radiance: ColorOrTexture::Texture(_), tint, turn } => {
@@ -229,7 +229,7 @@ fn light(version: Version, scene: &Scene, kind: &LightKind, image: &str, out: &m
             Row(target, " "),
             light_color(version, "I", intensity),
             Num(*angle),
-            Num(names::cone_delta(version, &scene.integrator, *angle, *inner))
+            Num(angle - inner)
         ),
         LightKind::Directional { direction, irradiance } => writeln!(
             out,

@@ -6,7 +6,7 @@
 
 use crate::formats::shared::camera;
 use crate::formats::shared::images::{self, Form, Forms, Use};
-use crate::ir::{Affine, Encoding, Film, ImageFormat, Integrator, LightKind, Scene, Texture};
+use crate::ir::{Affine, Encoding, Film, ImageFormat, LightKind, Scene, Texture};
 
 /// A version of the file format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -147,14 +147,6 @@ fn spectra(scene: &Scene) -> bool {
     let surfaces = shapes.filter_map(|shape| shape.emission.as_ref()).map(|emission| &emission.radiance);
     let others = scene.lights.values().map(|light| light.kind.color());
     surfaces.chain(others).any(|color| color.spectrum().is_some())
-}
-
-/// `conedeltaangle`: how wide a spot's edge is. v4's `sppm` has no choice of light sampler, and takes `bvh`.
-pub fn cone_delta(version: Version, integrator: &Integrator, angle: f64, inner: f64) -> f64 {
-    match (version, integrator) {
-        (Version::V4, Integrator::PhotonMap { max_depth: _ }) => (angle - inner).max(SHARPEST.min(angle)),
-        _ => angle - inner,
-    }
 }
 
 /// What a version does with an image: v3 reads PNG, OpenEXR and PFM (`ReadImage` of `imageio.cpp`; TGA beside them); v4 all formats,
