@@ -59,12 +59,12 @@ pub const CODES: &[Code] = &[
         "A file of another program has a statement or a parameter that is not known.\nNothing is passed over: what is not understood may change the image.",
     ),
     code(
-        "index-out-of-range",
-        "A list has no element at this index.\nElements are counted from 0, and a range contains both its ends.",
-    ),
-    code(
         "image-limit",
         "An image has more than 2^27 pixels, 134 million.\nA header of a few bytes can claim any size; `--limit pixels=N`, or `[limits]` in ltsc.toml, raises the limit.",
+    ),
+    code(
+        "index-out-of-range",
+        "A list has no element at this index.\nElements are counted from 0, and a range contains both its ends.",
     ),
     code(
         "instance-limit",
