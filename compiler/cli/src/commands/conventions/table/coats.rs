@@ -126,9 +126,20 @@ const fn over(value: f64) -> Check {
     albedo(Expected::Reference { value, by: MITSUBA }, TEXTURED_PRINCIPLED)
 }
 
-const TEXTURED_PLASTIC: &[Known] = &[];
+/// An albedo that a target states for a feature to be off by so much.
+const fn off(target: &'static str, feature: Feature, words: &'static str, by: f64) -> Known {
+    Known { target: Some(target), by: By::Feature(feature, words), within: Within::Distance(by) }
+}
 
-const TEXTURED_PRINCIPLED: &[Known] = &[];
+const TEXTURED_PLASTIC: &[Known] = &[
+    off("luxcore", Feature::TexturedPlastic, "0.46 instead of 0.62 for 0.8", 0.165),
+    off("cycles", Feature::TexturedPlastic, "0.8 instead of 0.62", 0.19),
+];
+
+const TEXTURED_PRINCIPLED: &[Known] = &[
+    known("luxcore", Feature::TexturedPrincipled, "0.84, 0.83, 0.84 of Mitsuba 3.9.1 without metal", (0.82, 1.0)),
+    known("cycles", Feature::TexturedPrincipled, "3, 7 and 15 % darker", (0.84, 1.005)),
+];
 
 /// 500 000 samples: a standard error below 0.1 %.
 const fn smooth(formula: fn() -> f64) -> Check {
