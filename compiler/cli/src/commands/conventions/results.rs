@@ -125,7 +125,12 @@ impl Asked {
     }
 
     /// The row of the check at `at` for what was measured with a renderer, or the reason why nothing was.
-    pub fn row(&self, at: usize, (driver, target): (&Driver, &Target), measured: Result<Option<f64>, Unmeasured>) -> Row {
+    pub fn row(
+        &self,
+        at: usize,
+        (driver, target): (&Driver, &Target),
+        measured: Result<Option<f64>, Unmeasured>,
+    ) -> Row {
         let (check, expected) = (&self.view.checks[at], self.expected[at]);
         let (bound, relative) = check.tolerance.parts();
         let bound = rounded(bound + noise::left(driver, self, at));

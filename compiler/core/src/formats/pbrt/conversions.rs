@@ -43,6 +43,8 @@ pub const V4: &[(Feature, &str)] = &[
     (Feature::SmoothDielectric, RELATIVE),
     (Feature::RoughDielectric, RELATIVE),
     (Feature::LinearJpegTexture, "its codes are written as PNG: v4 takes every JPEG for sRGB"),
+    (Feature::DeepTexture, "written decoded, as floats in OpenEXR: pbrt-r4 reads no PNG of 16 bits"),
+    (Feature::HdrTexture, "written as PFM: pbrt-r4 takes Radiance HDR for codes of sRGB"),
     (
         Feature::EnvironmentImage,
         "(u, v) of the octahedron, its middle +z and its corners -z (Clarberg 2008); scale = the largest channel of the tint",

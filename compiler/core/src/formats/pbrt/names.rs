@@ -154,12 +154,12 @@ fn spectra(scene: &Scene) -> bool {
 pub fn images(version: Version, texture: &Texture, purpose: Use) -> Form {
     match (version, purpose, texture.image.format) {
         (Version::V4, Use::Sky(tint), _) => Form::Octahedral(images::split(tint).1),
-        (_, _, ImageFormat::Png | ImageFormat::Exr | ImageFormat::Pfm) | (Version::V4, _, ImageFormat::Hdr) => {
-            Form::Shared
-        }
+        // pbrt-v4 reads these two; its port pbrt-r4 refuses the one and takes the other for codes of sRGB (4.5.2).
+        (Version::V4, _, ImageFormat::Png) if texture.image.bits > 8 => Form::Tinted([1.0; 3]),
+        (_, _, ImageFormat::Hdr) => Form::Pfm,
+        (_, _, ImageFormat::Png | ImageFormat::Exr | ImageFormat::Pfm) => Form::Shared,
         (Version::V4, _, ImageFormat::Jpeg) if texture.encoding == Encoding::Srgb => Form::Shared,
         (_, _, ImageFormat::Jpeg) => Form::Png,
-        (Version::V3, _, ImageFormat::Hdr) => Form::Pfm,
     }
 }
 

@@ -163,7 +163,11 @@ const SKY: &[Check] = &[
 
 /// Only where samples lie within pixels is left to chance.
 const fn sky(name: &'static str, region: Region, channel: Channel) -> Check {
-    Check { known: POLES, ..check(name, Measure::Mean(region, channel), Expected::Ideal, Tolerance::Share(5e-3)) }
+    Check {
+        known: POLES,
+        rests_on: &[Feature::EnvironmentImage],
+        ..check(name, Measure::Mean(region, channel), Expected::Ideal, Tolerance::Share(5e-3))
+    }
 }
 
 /// A pole is half a row of 16, or two pixels of the film, in a quarter of 16 x 16.
