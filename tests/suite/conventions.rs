@@ -1,5 +1,6 @@
 //! `ltsc conventions`: what is listed, what is kept, and a few conventions through the renderers that are there.
 
+use std::fs;
 use std::process::Command;
 
 use ltsc_render::cache::CachePaths;
@@ -7,7 +8,7 @@ use ltsc_render::env::Env;
 use ltsc_render::install::{Status, status};
 use ltsc_render::run::driver;
 
-use super::{bless, ltsc, run, skip};
+use super::{bless, ltsc, root, run, skip};
 
 #[test]
 fn the_page_is_what_the_stored_numbers_say() {
@@ -15,6 +16,24 @@ fn the_page_is_what_the_stored_numbers_say() {
     command.args(["conventions", "-o", "docs", "--stored"]);
     let ran = run(if bless() { &mut command } else { command.arg("--check") });
     assert_eq!(ran.code, Some(0), "run `cargo run -- conventions -o docs --stored`\n{}{}", ran.out, ran.err);
+}
+
+/// The README shows how many answers of targets were not measured.
+#[test]
+fn the_readme_says_what_was_not_measured() {
+    let path = root().join("README.md");
+    let text = fs::read_to_string(&path).expect("README.md").replace("\r\n", "\n");
+    let (start, end) = ("<!-- coverage -->\n", "<!-- end of coverage -->");
+    let (before, rest) = text.split_once(start).expect("the number");
+    let (number, after) = rest.split_once(end).expect("its end");
+    let ran = run(ltsc().args(["conventions", "--coverage"]));
+    let last = ran.out.lines().last().expect("a sum");
+    assert_eq!(ran.code, Some(i32::from(!last.ends_with(" 0 not measured"))), "{}", ran.out);
+    if bless() {
+        fs::write(&path, format!("{before}{start}{last}\n{end}{after}")).expect("a writable README");
+        return;
+    }
+    assert_eq!(number.trim(), last, "run the tests with INSTA_UPDATE=always");
 }
 
 #[test]

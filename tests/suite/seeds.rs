@@ -12,7 +12,7 @@ use super::{ltsc, root, run, skip};
 const SEEDS: [u32; 5] = [0, 1, 2, 101, 300];
 
 /// The renderers whose images are the same every time.
-const WITHOUT: [&str; 1] = ["rs-pbrt"];
+const WITHOUT: [&str; 1] = ["pbrt-r3"];
 
 #[test]
 fn seeds_change_the_noise_and_not_the_image() {

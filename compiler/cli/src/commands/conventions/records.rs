@@ -38,8 +38,42 @@ impl At {
 }
 
 /// All of them.
-pub const RECORDS: &[Record] = &[Record {
-    targets: &["mitsuba-3", "luxcore", "cycles", "pbrt-v4"],
-    features: &[Feature::Seed],
-    at: At::Test("tests/suite/seeds.rs", "seeds_change_the_noise_and_not_the_image"),
-}];
+pub const RECORDS: &[Record] = &[
+    // Renderers without seeds refuse any but 0.
+    Record {
+        targets: &["mitsuba-3", "luxcore", "cycles", "pbrt-v4", "pbrt-v3"],
+        features: &[Feature::Seed],
+        at: At::Test("tests/suite/seeds.rs", "seeds_change_the_noise_and_not_the_image"),
+    },
+    // Lowering writes the normals of faces before any target sees the mesh.
+    Record {
+        targets: &[],
+        features: &[Feature::NoNormals],
+        at: At::Test("compiler/core/src/lower/tests.rs", "missing_normals_are_those_of_the_faces"),
+    },
+    Record {
+        targets: &["gltf", "glb"],
+        features: &[
+            Feature::Camera,
+            Feature::VertexNormals,
+            Feature::TransformedShape,
+            Feature::SharedMesh,
+            Feature::Instances,
+            Feature::Diffuse,
+            Feature::ColouredDiffuse,
+        ],
+        at: At::Test("tests/suite/blender.rs", "every_scene_is_imported_as_it_is"),
+    },
+    Record {
+        targets: &["mitsuba-0.6", "mitsuba-0.5"],
+        features: &[
+            Feature::Diffuse,
+            Feature::Plastic,
+            Feature::Principled,
+            Feature::GaussianFilter,
+            Feature::PhotonMap,
+            Feature::IndirectLight,
+        ],
+        at: At::Section("Mitsuba 0.6"),
+    },
+];

@@ -27,6 +27,7 @@ pub const V3: &[(Feature, &str)] = &[
     ),
     (Feature::JpegTexture, CODES),
     (Feature::LinearJpegTexture, CODES),
+    (Feature::DeepTexture, "written decoded, as floats in OpenEXR: v3 reads PNG with 8 bits"),
     (Feature::HdrTexture, "written as PFM: v3 reads no Radiance HDR"),
     (Feature::TintedEnvironment, "L = the tint"),
     SPOT,

@@ -154,8 +154,9 @@ fn spectra(scene: &Scene) -> bool {
 pub fn images(version: Version, texture: &Texture, purpose: Use) -> Form {
     match (version, purpose, texture.image.format) {
         (Version::V4, Use::Sky(tint), _) => Form::Octahedral(images::split(tint).1),
-        // pbrt-v4 reads these two; its port pbrt-r4 refuses the one and takes the other for codes of sRGB (4.5.2).
-        (Version::V4, _, ImageFormat::Png) if texture.image.bits > 8 => Form::Tinted([1.0; 3]),
+        // pbrt-v4 reads these two, v3 the first with 8 bits. The ports pbrt-r4 and pbrt-r3 refuse PNG of 16 bits, and r4 takes Radiance
+        // HDR for codes of sRGB (4.5.2, 3.2.0).
+        (_, _, ImageFormat::Png) if texture.image.bits > 8 => Form::Tinted([1.0; 3]),
         (_, _, ImageFormat::Hdr) => Form::Pfm,
         (_, _, ImageFormat::Png | ImageFormat::Exr | ImageFormat::Pfm) => Form::Shared,
         (Version::V4, _, ImageFormat::Jpeg) if texture.encoding == Encoding::Srgb => Form::Shared,
@@ -177,7 +178,7 @@ pub fn images_v4(texture: &Texture, purpose: Use) -> Form {
 /// ellipse of at least a pixel of the image, which is no line between two pixels (0.061 where 0.125 is due, pbrt-r3 3.2.0 and rs_pbrt
 /// 0.9.12); its pyramid is one where the image is magnified. v4's default is written out.
 pub fn lookup(version: Version, texture: &Texture) -> &'static str {
-    match (version, texture.encoding) {
+    match (version, images(version, texture, Use::Surface).encoding(texture)) {
         (Version::V3, Encoding::Srgb) => "\"bool gamma\" [\"true\"] \"bool trilinear\" [\"true\"]",
         (Version::V3, Encoding::Linear) => "\"bool gamma\" [\"false\"] \"bool trilinear\" [\"true\"]",
         (Version::V4, Encoding::Srgb) => "\"string encoding\" [\"sRGB\"] \"string filter\" [\"bilinear\"]",

@@ -70,7 +70,8 @@ impl Form {
             Self::Decoded => write::exr(&image::linear(texture)?, write::Depth::Half)?,
             Self::Png => write::png(&image::stored(texture)?, if texture.image.bits > 8 { 16 } else { 8 })?,
             Self::Pfm => write::pfm(&image::stored(texture)?),
-            Self::Tinted(factor) => write::exr(&image::linear(texture)?.times(factor), write::Depth::Full)?,
+            // Not every renderer reads files of one channel.
+            Self::Tinted(factor) => write::exr(&image::linear(texture)?.colored().times(factor), write::Depth::Full)?,
             Self::Rows(factor) => {
                 let sky = sphere::between_rows(image::linear(texture)?.times(factor));
                 write::exr(&sky, write::Depth::Full)?
@@ -78,7 +79,7 @@ impl Form {
             Self::Octahedral(factor) => {
                 let side = sphere::side([texture.image.width, texture.image.height]);
                 let sky = sphere::octahedral(&image::linear(texture)?, side);
-                write::exr(&sky.times(factor), write::Depth::Full)?
+                write::exr(&sky.colored().times(factor), write::Depth::Full)?
             }
         };
         Ok(bytes)

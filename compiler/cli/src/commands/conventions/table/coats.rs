@@ -190,7 +190,7 @@ const PRINCIPLED: &[Known] = &[
     known("luxcore", Feature::Principled, "0.84, 0.83, 0.84 of Mitsuba 3.9.1 without metal", (0.82, 1.0)),
     known("cycles", Feature::Principled, "3, 7 and 15 % darker", (0.84, 1.005)),
     known("pbrt-v4", Feature::Principled, "without metal 0.4977, 0.5174 for 0.538, 0.582", (0.79, 1.03)),
-    known("pbrt-v3", Feature::Principled, "darker by 15 to 21 % with 0.5", (0.78, 1.013)),
+    known("pbrt-v3", Feature::Principled, "the port pbrt-r3 3.2.0 differs", (0.69, 1.51)),
 ];
 
 /// The product of two colours stands for that of two spectra: up to 16 % of the largest channel off.

@@ -21,7 +21,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "flat_faces",
-        &[Feature::NoNormals],
+        &[Feature::VertexNormals, Feature::Diffuse],
         &[View::plain(&[
             interpolated("left face", area(0.0, 0.4, 0.0, 1.0)),
             interpolated("right face", area(0.6, 1.0, 0.0, 1.0)),
