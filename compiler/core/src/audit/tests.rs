@@ -328,7 +328,7 @@ const PBRT: &str = "description.pbrt";
 #[test]
 fn a_verdict_names_what_was_lost() {
     let mut scene = sample::room();
-    let kind = LightKind::Environment { radiance: Color::Grey(1.0).into() };
+    let kind = LightKind::environment(Color::Grey(1.0).into());
     scene.lights.push(LightSource { name: "sky".to_owned(), kind }, Origin::Made);
     let bright = Bsdf::Diffuse { reflectance: Color::Grey(1.2).into() };
     let bright = sample::material(&mut scene, "bright", bright);
