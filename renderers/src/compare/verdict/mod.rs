@@ -285,7 +285,7 @@ fn tests(
     let mut all = Vec::new();
     for (grid, cells) in GRIDS.iter().zip(grids) {
         let tile = *grid == GRIDS[0];
-        for channel in 0..3 {
+        for (channel, least) in least.into_iter().enumerate() {
             let estimates: Vec<Option<(Estimate, Estimate)>> =
                 cells.iter().map(|cell| (!cell.is_empty()).then(|| of(cell, channel, tile))).collect();
             let event = |at: usize| estimates[at].map_or(0.0, |(a, b)| a.event.max(b.event));
@@ -294,7 +294,7 @@ fn tests(
                 let own = event(at);
                 let around = if tile { own.max(fourth_around(at, *grid, &event)) } else { own };
                 let missed = |event: f64| (event / cell.len() as f64).powi(2) * shares;
-                let base = if least[channel] < FAINT * light { light } else { least[channel] };
+                let base = if least < FAINT * light { light } else { least };
                 let scale = a.mean.min(b.mean).max(DARK * base);
                 let variance = a.variance + b.variance;
                 let place = Cell {

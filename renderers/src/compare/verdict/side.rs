@@ -71,8 +71,8 @@ impl Side {
             }
             for image in images {
                 let value = part(image, at);
-                for c in 0..PARTS {
-                    let off = value[c] - pixel.mean[c];
+                for (c, value) in value.into_iter().enumerate() {
+                    let off = value - pixel.mean[c];
                     pixel.variance[c] += off * off / (count - 1.0).max(1.0);
                     if c < 3 {
                         pixel.cubes[c] += off * off * off;

@@ -135,7 +135,7 @@ mod tests {
         };
         assert_eq!(least_distance(&from([0.0, -40.0, 3.0])), None);
         let needed = least_distance(&from([1.0, -400.0, 3.0])).expect("a distance");
-        assert!((needed - 400.0 * 2.0_f64.powi(-22)).abs() < 1e-12, "{needed}");
+        assert!((needed - 400.0 * f64::from(f32::EPSILON) * 2.0).abs() < 1e-12, "{needed}");
     }
 
     #[test]
