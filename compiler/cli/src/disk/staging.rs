@@ -101,7 +101,8 @@ impl Staging {
 
     fn pour_ready(&self) -> io::Result<()> {
         let ready = self.folder().join(READY);
-        let new = Manifest::read(&ready).unwrap_or_default();
+        // The manifest is moved last: without it all is in its place, and nothing may be taken for left over.
+        let Some(new) = Manifest::read(&ready) else { return fs::remove_dir_all(&ready) };
         if let Some(old) = Manifest::read(&self.around) {
             for (path, hash) in old.files.iter().filter(|(path, _)| !new.files.contains_key(*path)) {
                 if is_removable(&self.around, path, hash) {
@@ -115,10 +116,8 @@ impl Staging {
             fs::create_dir_all(to.parent().unwrap_or(&self.around))?;
             fs::rename(ready.join(&path), to)?;
         }
-        // The manifest comes last: until then the old one tells what is left to do.
-        if ready.join(MANIFEST).is_file() {
-            fs::rename(ready.join(MANIFEST), self.around.join(MANIFEST))?;
-        }
+        // Until here the old manifest tells what is left to do.
+        fs::rename(ready.join(MANIFEST), self.around.join(MANIFEST))?;
         fs::remove_dir_all(&ready)
     }
 

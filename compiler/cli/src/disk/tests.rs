@@ -152,6 +152,11 @@ fn pouring_goes_on_where_it_was_killed() {
     drop(Staging::of(&folder).expect("put in order"));
     assert_eq!(names(&folder), ["a", "b", MANIFEST]);
     assert_eq!((read(folder.join("a")), read(folder.join("b/c"))), ("new".to_owned(), "new".to_owned()));
+    // As if killed after the manifest, before the empty folder was removed: everything stays.
+    fs::create_dir_all(folder.join(STAGING).join("ready/b")).expect("a folder");
+    drop(Staging::of(&folder).expect("put in order"));
+    assert_eq!(names(&folder), ["a", "b", MANIFEST]);
+    assert_eq!((read(folder.join("a")), read(folder.join("b/c"))), ("new".to_owned(), "new".to_owned()));
 }
 
 #[test]
