@@ -244,7 +244,7 @@ pub const DEFECTS: &[Defect] = &[
     beside!(
         "six kinds of scattering",
         ["many-materials"],
-        [],
+        ["wide-roughness"],
         "mesh cube = box(size: 1) |> translate@\n\
          shape a = cube with diffuse(0.5)\n\
          shape b = cube |> translate(x: 2) with conductor(eta: 0.2, k: 3.9, alpha: 0.1)\n\
