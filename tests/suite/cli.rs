@@ -458,6 +458,9 @@ fn a_tolerance_sees_light_where_the_reference_is_black() {
     image(&at("half.exr"), [0.0; 3], [1.0; 3]);
     image(&at("blue.exr"), [0.0, 0.0, 5.0], [1.0; 3]);
     image(&at("near.exr"), [0.0; 3], [1.01; 3]);
+    image(&at("grey.exr"), [0.5; 3], [0.5; 3]);
+    image(&at("leaning.exr"), [0.6; 3], [0.4; 3]);
+    image(&at("tinted.exr"), [0.6, 0.4, 0.5], [0.6, 0.4, 0.5]);
     let code = |a: &str, b: &str, tolerance: &str| {
         run(ltsc().arg("diff").arg(at(a)).arg(at(b)).args(["--tolerance", tolerance])).code
     };
@@ -466,6 +469,9 @@ fn a_tolerance_sees_light_where_the_reference_is_black() {
     assert_eq!(code("half.exr", "blue.exr", "0.01"), Some(1));
     assert_eq!(code("half.exr", "near.exr", "0.02"), Some(0));
     assert_eq!(code("half.exr", "near.exr", "0.005"), Some(1));
+    // The means are equal, the tiles are not; the luminance nearly is, the channels are not.
+    assert_eq!((code("grey.exr", "leaning.exr", "0.1"), code("grey.exr", "leaning.exr", "0.25")), (Some(1), Some(0)));
+    assert_eq!((code("grey.exr", "tinted.exr", "0.1"), code("grey.exr", "tinted.exr", "0.25")), (Some(1), Some(0)));
 
     let out = at("out");
     let diff = |more: &[&str]| {
@@ -475,6 +481,18 @@ fn a_tolerance_sees_light_where_the_reference_is_black() {
     assert!(out.join("difference.png").is_file() && out.join("diff.json").is_file());
     fs::remove_file(out.join("manifest.json")).expect("a removal");
     assert_eq!((diff(&[]), diff(&["--force"])), (Some(2), Some(0)), "a folder of someone else");
+}
+
+/// One folder where the system does not tell capitals from small letters.
+#[test]
+fn scenes_whose_names_differ_by_case_only_are_not_built() {
+    let (folder, path) = scene("one", "");
+    fs::write(path.with_file_name("other.lts"), MINIMAL.replace("NAME", "One")).expect("a scene");
+    let out = folder.path().join("out");
+    let ran = run(ltsc().arg("build").arg(path.parent().expect("a folder")).arg("-o").arg(&out));
+    assert_eq!(ran.code, Some(3), "{}", ran.err);
+    assert!(ran.err.contains("one.lts") && ran.err.contains("other.lts"), "{}", ran.err);
+    assert!(!out.exists(), "nothing is written");
 }
 
 #[cfg(unix)]

@@ -440,15 +440,17 @@ fn textures_lie_the_right_way_up_and_are_decoded() {
             ("srgb", "bitmap(\"quads.png\")", true),
             ("linear", "bitmap(\"quads.png\", encoding: \"linear\")", false),
             ("floats", "bitmap(\"quads.pfm\")", false),
+            ("scaled", "bitmap(\"quads.png\", scale: rgb(0.5, 0.25, 1))", true),
         ];
         for (name, texture, curved) in kinds {
+            let factors = if name == "scaled" { [0.5, 0.25, 1.0] } else { [1.0; 3] };
             let scene = lit_square(folder.path(), name, &format!("texture quads = {texture}"), "diffuse(quads)");
             let image = rendered(&scene, renderer, "1");
             for ((x, y), codes) in places.into_iter().zip(quads) {
                 let pixel = image.pixels[y * image.width + x];
-                for (found, code) in pixel.into_iter().zip(codes) {
+                for ((found, code), factor) in pixel.into_iter().zip(codes).zip(factors) {
                     let share = f64::from(code) / 255.0;
-                    let expected = if curved { decode(share) } else { share };
+                    let expected = factor * if curved { decode(share) } else { share };
                     let off = (f64::from(found) - expected).abs();
                     assert!(off <= 2e-4, "{renderer} {name} at ({x}, {y}): {pixel:?} instead of {expected}");
                 }

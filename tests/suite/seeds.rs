@@ -11,8 +11,8 @@ use super::{ltsc, root, run, skip};
 /// Neighbors, and numbers beyond what 7 or 8 bits hold.
 const SEEDS: [u32; 5] = [0, 1, 2, 101, 300];
 
-/// The renderers whose images are the same every time.
-const WITHOUT: [&str; 1] = ["pbrt-r3"];
+/// Those of pbrt-r3, which renders an image more for each.
+const FEW: [u32; 5] = [0, 1, 2, 3, 5];
 
 #[test]
 fn seeds_change_the_noise_and_not_the_image() {
@@ -30,27 +30,24 @@ fn seeds_change_the_noise_and_not_the_image() {
             let ran = run(ltsc()
                 .arg("render")
                 .arg(root().join("scenes-src/cbox_classic.lts"))
-                .args(["--renderer", driver.name, "--width", "32", "--height", "32", "--samples", "16"])
+                .args(["--renderer", driver.name, "--width", "32", "--height", "32", "--samples", "64"])
                 .args(["--seed", &seed.to_string(), "-o"])
                 .arg(&out));
             (ran.code, out)
         };
-        if WITHOUT.contains(&driver.name) {
-            assert_eq!(render(1).0, Some(4), "{} has no seeds, and refuses others than 0", driver.name);
-            continue;
-        }
-        let images = SEEDS.map(|seed| {
+        let seeds = if driver.name == "pbrt-r3" { FEW } else { SEEDS };
+        let images = seeds.map(|seed| {
             let (code, out) = render(seed);
             assert_eq!(code, Some(0), "{} {seed}", driver.name);
             read(&out).expect("an image").0
         });
-        judge(driver.name, &images);
+        judge(driver.name, &seeds, &images);
     }
 }
 
 /// The images have the same mean, and what each differs by from that mean has nothing to do with what another does, nor with that of
 /// the pixel beside it in another.
-fn judge(name: &str, images: &[Image; SEEDS.len()]) {
+fn judge(name: &str, seeds: &[u32], images: &[Image]) {
     let count = images.len() as f64;
     let value = |image: &Image, at: usize| image.pixels[at].iter().map(|x| f64::from(*x)).sum::<f64>();
     let mean = |at: usize| images.iter().map(|image| value(image, at)).sum::<f64>() / count;
@@ -64,7 +61,7 @@ fn judge(name: &str, images: &[Image; SEEDS.len()]) {
     for (a, one) in off.iter().enumerate() {
         for (b, other) in off.iter().enumerate().filter(|(b, _)| *b != a) {
             let norm = (dot(one, one) * dot(other, other)).sqrt();
-            let pair = format!("{name}: seeds {} and {}", SEEDS[a], SEEDS[b]);
+            let pair = format!("{name}: seeds {} and {}", seeds[a], seeds[b]);
             // Of the deviations of five independent images from their mean, two correlate by -1 / 4; 0.03 is the standard error.
             let same = dot(one, other) / norm;
             assert!((same + 0.25).abs() < 0.2, "{pair} correlate by {same}");
@@ -74,5 +71,6 @@ fn judge(name: &str, images: &[Image; SEEDS.len()]) {
     }
     let sums: Vec<f64> = images.iter().map(|image| (0..1024).map(|at| value(image, at)).sum::<f64>()).collect();
     let middle = sums.iter().sum::<f64>() / count;
+    // Of LuxCore's, the noisiest, one mean scatters by 1.2 %.
     assert!(sums.iter().all(|sum| (sum / middle - 1.0).abs() < 0.05), "{name}: {sums:?}");
 }

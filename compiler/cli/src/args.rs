@@ -520,8 +520,9 @@ pub struct Conventions {
     /// Render nothing; list the conventions.
     #[arg(long)]
     pub list: bool,
-    /// Keep the numbers in `renderers/NAME-VERSION.json` below this folder, and write the page `renderers.md` there.
-    #[arg(short, long, value_name = "DIR", conflicts_with_all = ["only", "list"])]
+    /// Keep the numbers in `renderers/NAME-VERSION.json` below this folder, and write the page `renderers.md` there. With `--only`
+    /// the numbers of other conventions stay.
+    #[arg(short, long, value_name = "DIR", conflicts_with = "list")]
     pub output: Option<PathBuf>,
     /// Render nothing; judge the numbers that are kept again, and write the page.
     #[arg(long, requires = "output", conflicts_with = "renderer")]

@@ -93,6 +93,8 @@ pub enum Feature {
     LinearTexture,
     /// A PNG file of 16 bits per channel.
     DeepTexture,
+    /// A texture whose numbers are multiplied by a factor.
+    ScaledTexture,
     /// A JPEG file.
     JpegTexture,
     /// A JPEG file whose numbers are linear.
@@ -192,6 +194,7 @@ impl Feature {
         Self::SrgbTexture,
         Self::LinearTexture,
         Self::DeepTexture,
+        Self::ScaledTexture,
         Self::JpegTexture,
         Self::LinearJpegTexture,
         Self::ExrTexture,
@@ -261,6 +264,7 @@ impl Feature {
             Self::SrgbTexture => "a texture decoded by the sRGB curve",
             Self::LinearTexture => "a texture of linear numbers in PNG",
             Self::DeepTexture => "a texture of 16 bits in PNG",
+            Self::ScaledTexture => "a texture with a factor",
             Self::JpegTexture => "a texture in JPEG",
             Self::LinearJpegTexture => "a texture of linear numbers in JPEG",
             Self::ExrTexture => "a texture in OpenEXR",
@@ -501,11 +505,12 @@ fn has_spectrum(paint: &ColorOrTexture) -> bool {
 }
 
 fn ask_texture(asked: &mut Asked, texture: &Texture, place: &Origin) {
-    let Texture { name: _, file: _, image, encoding, peak: _ } = texture;
+    let Texture { name: _, file: _, image, encoding, peak: _, factor: _ } = texture;
     let ImageInfo { format, width: _, height: _, channels, bits } = *image;
     asked.add(Feature::Texture, place);
     asked.add_if(channels >= 3, Feature::ColouredTexture, place);
     asked.add_if(*encoding == Encoding::Srgb, Feature::SrgbTexture, place);
+    asked.add_if(texture.is_scaled(), Feature::ScaledTexture, place);
     let linear = *encoding == Encoding::Linear;
     match format {
         ImageFormat::Png => {

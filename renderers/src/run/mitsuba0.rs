@@ -133,5 +133,5 @@ fn plan(job: &Job<'_>) -> Result<Plan, RenderError> {
     }
     // It writes a log of its own into the working directory.
     command.arg("-o").arg(&image).arg(job.main).current_dir(job.scratch);
-    Ok(Plan { command, delivery: Delivery::File(image, bar::mitsuba), facts: Vec::new() })
+    Ok(Plan { command, delivery: Delivery::File(image, bar::mitsuba), above: 0, facts: Vec::new() })
 }

@@ -125,7 +125,7 @@ fn plan_program(job: &Job<'_>, variant: &str, streams: &Streams) -> Result<Plan,
         .arg(&image)
         .arg(job.main)
         .current_dir(job.scratch);
-    Ok(Plan { command, delivery: Delivery::File(image, |_| None), facts: Vec::new() })
+    Ok(Plan { command, delivery: Delivery::File(image, |_| None), above: 0, facts: Vec::new() })
 }
 
 /// Which random streams the passes of each seed use.

@@ -18,6 +18,7 @@ mod pbrt_r4;
 pub(crate) mod process;
 mod render;
 pub(crate) mod script;
+mod tiles;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -182,8 +183,8 @@ pub struct RenderRequest {
     pub samples: u32,
     /// Seed. Count from 0: different seeds give images without common random numbers, and those so
     /// large that this could not be kept are refused (Mitsuba has 16384 seeds at 128 by 128 pixels,
-    /// 1024 at 512 by 512). Equal seeds give the same image where the renderer can do that. A renderer without seeds
-    /// (pbrt-v3, pbrt-r3, Mitsuba 0.x) refuses any but 0.
+    /// 1024 at 512 by 512). Equal seeds give the same image where the renderer can do that. Mitsuba 0.x refuses any but 0, unless the
+    /// sampler is `sobol`; pbrt-v3 and pbrt-r3 have seeds for path tracing, and pbrt-r3 renders `seed` images more for it.
     pub seed: u32,
     /// Threads; all processors if nothing is said.
     pub threads: Option<usize>,
@@ -282,6 +283,8 @@ pub(crate) struct Job<'a> {
 pub(crate) struct Plan {
     pub command: Command,
     pub delivery: Delivery,
+    /// Rows that the program's image has above those of the request; they are cut off.
+    pub above: usize,
     /// What is known of the image before it is there; see [`Rendered::facts`].
     pub facts: Vec<(String, String)>,
 }

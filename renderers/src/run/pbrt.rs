@@ -91,21 +91,6 @@ pub(super) const PORT_HINTS: &[(&str, &str)] = &[
 /// radiance 1, 64 x 64 pixels of 64 samples.
 pub(super) const FOUR_WAVELENGTHS: [f64; 4] = [0.153, 0.033, 0.64, 0.19];
 
-/// Refuses a seed, for renderers that have none.
-pub(super) fn no_seed(job: &Job<'_>, renderer: &str) -> Result<(), RenderError> {
-    if job.request.seed == 0 {
-        return Ok(());
-    }
-    Err(RenderError::Request {
-        message: format!(
-            "{renderer} has no seed: it takes the same random numbers every time, and not those of seed {}",
-            job.request.seed
-        ),
-        hint: "leave the seed at 0, and take images that are independent of each other from another renderer"
-            .to_owned(),
-    })
-}
-
 /// The files of the emitted folder in which the samples of the request are not yet said, as they should be.
 pub(super) fn samples(job: &Job<'_>) -> Result<Vec<(PathBuf, String)>, RenderError> {
     let mut changed = Vec::new();
@@ -160,7 +145,7 @@ pub(super) fn with_parameter(text: &str, name: &str, kind: Option<&str>, paramet
 }
 
 /// Where the number of an integer parameter of a directive stands.
-fn value_of(text: &str, name: &str, parameter: &str) -> Option<(usize, usize)> {
+pub(super) fn value_of(text: &str, name: &str, parameter: &str) -> Option<(usize, usize)> {
     let (start, _) = directive(text, name)?;
     // Parameters end where the next directive begins; none of those has a parameter of this name.
     let from = start + text[start..].find(&format!("\"integer {parameter}\""))?;

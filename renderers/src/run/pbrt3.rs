@@ -3,6 +3,7 @@
 use std::path::Path;
 use std::process::Command;
 
+use super::tiles::{self, Outside};
 use super::{Delivery, Driver, Installation, Job, Plan, RenderError, bar, emitted, pbrt};
 
 pub(super) const ROW: Driver = Driver {
@@ -35,8 +36,8 @@ fn probe(executable: &Path) -> Result<String, String> {
 
 /// Its command line has neither samples nor a seed, so the samples are written into a copy of the settings.
 fn plan(job: &Job<'_>) -> Result<Plan, RenderError> {
-    pbrt::no_seed(job, "pbrt-v3")?;
-    let changed = pbrt::samples(job)?;
+    let mut changed = pbrt::samples(job)?;
+    let above = tiles::seed(job, Outside::Skipped, &mut changed)?;
     let main = if changed.is_empty() { job.main.to_owned() } else { emitted::copy(job, &changed)? };
     // The ending says the format; its OpenEXR files would have 16 bits only (`imageio.cpp`).
     let image = job.scratch.join("image.pfm");
@@ -47,5 +48,5 @@ fn plan(job: &Job<'_>) -> Result<Plan, RenderError> {
     // Otherwise it leaves log files in the system's temporary folder.
     command.arg("--logdir").arg(job.scratch);
     command.arg("--outfile").arg(&image).arg(main).current_dir(job.scratch);
-    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses), facts: Vec::new() })
+    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses), above, facts: Vec::new() })
 }

@@ -63,5 +63,5 @@ fn plan(job: &Job<'_>) -> Result<Plan, RenderError> {
     command.arg("--spp").arg(job.request.samples.to_string());
     command.arg("--seed").arg(job.request.seed.to_string());
     command.arg("--outfile").arg(&image).arg(main).current_dir(job.scratch);
-    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses), facts: Vec::new() })
+    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses), above: 0, facts: Vec::new() })
 }

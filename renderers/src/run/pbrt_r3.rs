@@ -2,6 +2,7 @@
 
 use std::process::Command;
 
+use super::tiles::{self, Outside};
 use super::{Crate, Delivery, Driver, Installation, Job, Plan, RenderError, bar, emitted, pbrt};
 
 pub(super) const ROW: Driver = Driver {
@@ -33,10 +34,10 @@ pub(super) const ROW: Driver = Driver {
     plan,
 };
 
-/// It has no seed: its samplers are numbered by tiles (`SamplerIntegrator`).
+/// It has no seed, and does not read `pixelbounds` (`create_path_integrator`).
 fn plan(job: &Job<'_>) -> Result<Plan, RenderError> {
-    pbrt::no_seed(job, "pbrt-r3")?;
-    let changed = pbrt::samples(job)?;
+    let mut changed = pbrt::samples(job)?;
+    let above = tiles::seed(job, Outside::Rendered, &mut changed)?;
     let main = if changed.is_empty() { job.main.to_owned() } else { emitted::copy(job, &changed)? };
     let image = job.scratch.join("image.exr");
     let mut command = Command::new(job.executable);
@@ -49,7 +50,7 @@ fn plan(job: &Job<'_>) -> Result<Plan, RenderError> {
     }
     command.arg("--outfile").arg(&image).arg(main).current_dir(job.scratch);
     let facts = defects(job).map(|what| ("defects".to_owned(), what.to_owned()));
-    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses), facts: facts.into_iter().collect() })
+    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses), above, facts: facts.into_iter().collect() })
 }
 
 /// What it renders otherwise than PBRT 3 by more than noise, of what is in the scene (docs/conventions.md).

@@ -60,7 +60,7 @@ fn plan(job: &Job<'_>) -> Result<Plan, RenderError> {
     command.arg("--spp").arg(job.request.samples.to_string());
     command.arg("--outfile").arg(&image).arg(main).current_dir(job.scratch);
     let facts = defects(job).map(|what| ("defects".to_owned(), what.to_owned()));
-    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses), facts: facts.into_iter().collect() })
+    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses), above: 0, facts: facts.into_iter().collect() })
 }
 
 /// What it renders otherwise than its own path tracing by more than noise, of what is in the scene (docs/conventions.md).

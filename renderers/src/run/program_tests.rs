@@ -150,14 +150,14 @@ fn pbrt_r4_is_told_its_seed_in_a_copy_of_the_settings() {
 }
 
 #[test]
-fn pbrt_r3_has_no_seed_and_tells_its_defects() {
+fn pbrt_r3_tells_its_defects() {
     let mut stage = port("pbrt-r3", PBRT);
     let (rendered, _) = stage.render().expect("an image");
     assert_eq!((rendered.image, rendered.facts.len()), (picture(), 0));
     let log = fs::read_to_string(stage.path("log")).expect("a log");
     assert!(log.contains("temporary ") && !log.contains("temporary /tmp\n"), "{log}");
     stage.request.seed = 3;
-    assert!(stage.fails().to_string().contains("pbrt-r3 has no seed"));
+    assert!(stage.fails().to_string().contains("no perspective camera"), "{}", stage.fails());
     let stage = port("pbrt-r3", &format!("{PBRT}MakeNamedMaterial \"a\" \"string type\" [\"disney\"]\n"));
     let (rendered, _) = stage.render().expect("an image");
     assert!(rendered.facts[0].0 == "defects" && rendered.facts[0].1.contains("principled"), "{:?}", rendered.facts);
@@ -200,9 +200,60 @@ fn pbrt_3_reads_its_samples_from_a_copy_of_the_settings() {
     assert!(stage.call().starts_with("--nthreads 3 --logdir "), "{}", stage.call());
     assert_eq!(fs::read_to_string(stage.path("read.pbrt")).expect("a scene"), PBRT.replace("[16]", "[77]"));
     assert_eq!(stage.emitted(), before);
-    stage.request.seed = 1;
+}
+
+/// A scene of 2 by 1 pixels whose film grows.
+const SEEDED: &str = "Camera \"perspective\" \"float fov\" [45]\nFilm \"image\" \"integer xresolution\" [2] \"integer yresolution\" \
+                      [1]\nPixelFilter \"gaussian\" \"float xwidth\" [1.5] \"float ywidth\" [1.5]\nSampler \"random\" \
+                      \"integer pixelsamples\" [16]\nIntegrator \"path\" \"integer maxdepth\" [5]\n";
+
+/// `picture` under rows of something else.
+fn tall(above: usize) -> Image {
+    let mut pixels = vec![[9.0; 3]; 2 * above];
+    pixels.extend(picture().pixels);
+    Image { width: 2, height: above + 1, pixels }
+}
+
+#[test]
+fn seeds_of_pbrt_3_are_rows_above_the_image() {
+    let mut stage = Stage::new("pbrt-v3", "pbrt", SEEDED, PBRT3);
+    write_pfm(&stage.path("image.pfm"), &tall(48)).expect("an image");
+    let before = stage.emitted();
+    stage.request.seed = 3;
+    let (rendered, _) = stage.render().expect("an image");
+    assert_eq!(rendered.image, picture(), "the rows above are cut off");
+    assert_eq!(stage.emitted(), before);
+    // One row of tiles for each seed; the window grows as the film does, and the middle of the image stays its middle.
+    let read = fs::read_to_string(stage.path("read.pbrt")).expect("a scene");
+    assert!(read.contains("\"integer xresolution\" [2] \"integer yresolution\" [49]"), "{read}");
+    assert!(read.contains("\"perspective\" \"float screenwindow\" [-2 2 -1 97] \"float fov\" [45]"), "{read}");
+    assert!(read.contains("\"path\" \"integer pixelbounds\" [-16 18 32 65] \"integer maxdepth\""), "{read}");
+
+    let mut port = port("pbrt-r3", SEEDED);
+    write_exr(&port.path("image.exr"), &tall(48), &Provenance::default()).expect("an image");
+    (port.request.seed, port.request.samples) = (3, 77);
+    assert_eq!(port.render().expect("an image").0.image, picture());
+    let read = fs::read_to_string(port.path("read.pbrt")).expect("a scene");
+    assert!(read.contains("yresolution\" [49]") && read.contains("pixelsamples\" [77]"), "{read}");
+    assert!(!read.contains("pixelbounds"), "the port does not know it: {read}");
+
+    stage.request.seed = 2048;
     let error = stage.fails();
-    assert!(error.to_string().contains("pbrt-v3 has no seed"), "{error}");
+    assert_eq!(error.to_string(), "pbrt-v3 has 2048 seeds for an image of 2x1 pixels, and this is seed 2048");
+    for (from, to, what) in
+        [("\"path\"", "\"sppm\"", "the integrator `sppm`"), ("\"random\"", "\"sobol\"", "the sampler `sobol`")]
+    {
+        let mut stage = Stage::new("pbrt-v3", "pbrt", &SEEDED.replace(from, to), PBRT3);
+        stage.request.seed = 1;
+        let error = stage.fails();
+        assert_eq!(error.to_string(), format!("pbrt-v3 has no seeds for {what}"));
+    }
+    let mut stage = Stage::new("pbrt-v3", "pbrt", &SEEDED.replace("\"path\"", "\"bdpt\""), PBRT3);
+    write_pfm(&stage.path("image.pfm"), &tall(16)).expect("an image");
+    stage.request.seed = 1;
+    stage.render().expect("an image");
+    let read = fs::read_to_string(stage.path("read.pbrt")).expect("a scene");
+    assert!(read.contains("yresolution\" [17]") && !read.contains("pixelbounds"), "{read}");
 }
 
 #[test]

@@ -45,7 +45,7 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
     };
     let scratch = tempfile::Builder::new().prefix("ltsc-render-").tempdir().map_err(io(&std::env::temp_dir()))?;
     let job = Job { request, executable: &executable, folder: &folder, main: &main, scratch: scratch.path() };
-    let Plan { command, delivery, facts } = (driver.plan)(&job)?;
+    let Plan { command, delivery, above, facts } = (driver.plan)(&job)?;
     begin(&log).map_err(io(&log))?;
     let mut gathered = Gathered { version, ..Gathered::default() };
     let mut watch = Watch::new(u64::from(request.samples));
@@ -76,7 +76,7 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
             if gathered.version.is_empty() {
                 gathered.version = (driver.probe)(&executable).unwrap_or_default();
             }
-            (read(&path)?.0, u64::from(request.samples), watch.took())
+            (without_rows(read(&path)?.0, above), u64::from(request.samples), watch.took())
         }
     };
     if (image.width, image.height) != (request.width, request.height) {
@@ -93,6 +93,14 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
         log_path: log,
         facts,
     })
+}
+
+/// The image without its first rows, all of which it has.
+fn without_rows(mut image: Image, rows: usize) -> Image {
+    let rows = rows.min(image.height);
+    image.pixels.drain(..rows * image.width);
+    image.height -= rows;
+    image
 }
 
 /// What is wrong with an image that is not as large as the scene says.

@@ -66,7 +66,7 @@ pub(crate) fn plan(
     }
     let mut command = python(job.executable);
     command.arg(&file).arg(argument.to_string()).current_dir(working_directory);
-    Ok(Plan { command, delivery: Delivery::Events, facts: Vec::new() })
+    Ok(Plan { command, delivery: Delivery::Events, above: 0, facts: Vec::new() })
 }
 
 /// Asks a Python for the version of a module, given by an expression.

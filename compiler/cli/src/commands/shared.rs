@@ -411,4 +411,36 @@ mod tests {
         assert_eq!((finding.id, Exit::of_finding(finding)), ("internal-fault", Exit::Fault));
         assert!(finding.message.contains("no such handle"), "{}", finding.message);
     }
+
+    #[test]
+    fn everything_that_makes_another_scene_makes_another_hash() {
+        let inputs = |files: &[(&str, &str)]| {
+            let path = |path: &str| VPath::resolve("", path).expect("a path");
+            let bytes = |text: &str| ltsc_core::files::Bytes::new(text.as_bytes().to_vec());
+            files.iter().map(|(name, text)| (path(name), bytes(text))).collect()
+        };
+        let set = |values: &[(&str, &str)]| Overrides {
+            set: values.iter().map(|(name, value)| ((*name).to_owned(), (*value).to_owned())).collect(),
+            ..Overrides::default()
+        };
+        let one = &[("a.lts", "1")][..];
+        let all = [
+            hash(&inputs(one), &set(&[])),
+            hash(&inputs(one), &set(&[("alpha", "0.1")])),
+            hash(&inputs(one), &set(&[("alpha", "0.2")])),
+            hash(&inputs(one), &set(&[("beta", "0.1")])),
+            hash(&inputs(one), &Overrides { width: Some(1), ..Overrides::default() }),
+            hash(&inputs(one), &Overrides { height: Some(1), ..Overrides::default() }),
+            hash(&inputs(one), &Overrides { samples: Some(1), ..Overrides::default() }),
+            hash(&inputs(one), &Overrides { seed: Some(1), ..Overrides::default() }),
+            hash(&inputs(one), &Overrides { max_depth: Some(1), ..Overrides::default() }),
+            hash(&inputs(&[("a.lts", "2")]), &set(&[])),
+            hash(&inputs(&[("b.lts", "1")]), &set(&[])),
+            hash(&inputs(&[("a.lts", "1"), ("b.lts", "")]), &set(&[])),
+            hash(&inputs(&[("a.lts", "1b.lts")]), &set(&[])),
+        ];
+        let different: std::collections::BTreeSet<&String> = all.iter().collect();
+        assert_eq!(different.len(), all.len());
+        assert_eq!(hash(&inputs(one), &set(&[])), all[0]);
+    }
 }

@@ -472,9 +472,10 @@ fn same_image(
         }
         Picture::File(_) | Picture::Here(_) => {}
     }
-    let wanted = forms(texture, purpose).encoding(texture) == crate::ir::Encoding::Linear;
+    let form = forms(texture, purpose);
+    let wanted = form.encoding(texture) == crate::ir::Encoding::Linear;
     // Images of floats are linear whatever is said of them.
-    let floats = texture.image.format.is_float() || purpose != Purpose::Surface;
+    let floats = form.holds_floats(texture) || purpose != Purpose::Surface;
     (!floats && *said != wanted).then(|| format!("decodes the image `{}` otherwise", texture.name))
 }
 
@@ -498,7 +499,7 @@ pub(super) fn paint_differs(
         (ColorOrTexture::Color(_), Paint::Image { file: _, linear: _, factor: _ }) => Some("shows an image".to_owned()),
         (ColorOrTexture::Texture(texture), Paint::Image { file: _, linear: _, factor }) => {
             let tint = match purpose {
-                Purpose::Surface => [1.0; 3],
+                Purpose::Surface => asked.scene.textures[*texture].factor,
                 Purpose::Sky(tint) => tint,
             };
             // A part of the tint may be in the image itself.

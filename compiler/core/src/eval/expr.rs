@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::diag::{Finding, Span, nearest};
 use crate::files::{Bytes, ReadError, VPath};
-use crate::ir::{Affine, Handle, ImageInfo, Texture};
+use crate::ir::{Affine, Handle, Texture};
 use crate::syntax::{Call, Expr, ExprKind};
 
 use super::function::Function;
@@ -585,8 +585,8 @@ impl table::Host for Interpreter<'_> {
         self.textures.push(texture, span)
     }
 
-    fn image(&self, texture: Handle<Texture>) -> ImageInfo {
-        self.textures[texture].image
+    fn image(&self, texture: Handle<Texture>) -> &Texture {
+        &self.textures[texture]
     }
 
     fn scattered(&mut self) -> &mut BTreeMap<VPath, Arc<[Affine]>> {
@@ -603,8 +603,11 @@ impl table::Host for Interpreter<'_> {
     }
 }
 
+/// Family, path, part or encoding, and the bits of a factor; see [`file_key`].
+pub(super) type FileKey = (Family, VPath, Option<String>, [u64; 3]);
+
 /// What makes two calls of `file` the same mesh or group, of `bitmap` the same texture, and of `table` the same list.
-fn file_key(row: &Constructor, args: &Args, folder: &str) -> Option<(Family, VPath, Option<String>)> {
+fn file_key(row: &Constructor, args: &Args, folder: &str) -> Option<FileKey> {
     let more = match (row.family, row.name) {
         (Family::Mesh | Family::Group, "file") | (Family::Function, "table") => "part",
         (Family::Texture, "bitmap") => "encoding",
@@ -614,7 +617,8 @@ fn file_key(row: &Constructor, args: &Args, folder: &str) -> Option<(Family, VPa
         Some(Value::String(text)) => Some(text.to_string()),
         _ => None,
     };
-    Some((row.family, VPath::resolve(folder, &text("path")?).ok()?, text(more)))
+    let factor = args.color("scale").map_or([1.0; 3], |color| color.rgb()).map(f64::to_bits);
+    Some((row.family, VPath::resolve(folder, &text("path")?).ok()?, text(more), factor))
 }
 
 fn numbers_value(numbers: &[f64]) -> Value {

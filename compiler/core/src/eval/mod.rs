@@ -164,8 +164,8 @@ struct Interpreter<'f> {
     /// Files whose evaluation has not ended, outermost first.
     loading: Vec<VPath>,
     inputs: BTreeMap<VPath, crate::files::Bytes>,
-    /// Meshes, groups, tables and textures read from files, by family, path, and part or encoding.
-    read: BTreeMap<(Family, VPath, Option<String>), value::Value>,
+    /// Meshes, groups, tables and textures read from files, by what makes two of them the same.
+    read: BTreeMap<expr::FileKey, value::Value>,
     /// Textures so far, used or not.
     textures: Arena<Texture>,
     /// Places read from files.

@@ -93,6 +93,38 @@ fn a_texture_in_every_target() {
     assert!(gltf["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"].is_u64());
 }
 
+/// glTF has a word for the factor; all others get an image that holds it, of floats.
+#[test]
+fn a_factor_of_an_image_is_in_the_file_or_beside_it() {
+    let scene = || {
+        let mut scene = textured(ImageFormat::Png, Encoding::Srgb);
+        let texture = scene.textures.iter().next().expect("a texture").0;
+        scene.textures[texture].factor = [0.5, 0.25, 1.0];
+        scene
+    };
+    let own = scene().textures.values().next().expect("a texture").clone();
+    let wanted = crate::image::linear(&own).expect("an image").colored().times(own.factor);
+    for target in ["mitsuba-3", "mitsuba-0.6", "pbrt-v3", "pbrt-v4", "luxcore", "cycles"] {
+        let sink = emitted(target, scene());
+        let bytes = sink.files.get("images/old_oak.exr").unwrap_or_else(|| panic!("{target}: {:?}", sink.files.keys()));
+        let found = crate::image::load("exr", bytes, 1 << 20).expect("an image");
+        let found = Texture { file: found.file, image: found.info, encoding: Encoding::Linear, ..own.clone() };
+        let found = crate::image::linear(&found).expect("pixels");
+        assert_eq!(found.values, wanted.values, "{target}");
+        let text = all_text(target, scene());
+        assert!(text.contains("images/old_oak.exr") && !text.contains("old_oak.png"), "{target}");
+        let decoded = ["<float name=\"gamma\" value=\"-1\"/>", "\"bool gamma\" [\"true\"]", "[\"sRGB\"]", "srgb.ocio"];
+        assert!(!decoded.iter().any(|word| text.contains(word)), "{target}: {text}");
+    }
+    let mut sink = MemorySink::default();
+    write_textures(&scene(), &[find("mitsuba-3").expect("a target")], "textures/", &mut sink)
+        .expect("memory takes all");
+    assert!(sink.files.is_empty(), "nobody needs the image without its factor");
+    let gltf: serde_json::Value = serde_json::from_str(&text(&emitted("gltf", scene()), "s.gltf")).expect("JSON");
+    let base = &gltf["materials"][0]["pbrMetallicRoughness"];
+    assert_eq!(base["baseColorFactor"], serde_json::json!([0.5, 0.25, 1.0, 1.0]));
+}
+
 #[test]
 fn images_are_written_once_under_safe_names() {
     let mut scene = textured(ImageFormat::Png, Encoding::Srgb);

@@ -186,7 +186,7 @@ pub fn linear(texture: &Texture) -> Result<Pixels, ImageError> {
 /// # Errors
 /// As of [`linear`].
 pub fn stored(texture: &Texture) -> Result<Pixels, ImageError> {
-    let Texture { name: _, file, image, encoding: _, peak: _ } = texture;
+    let Texture { name: _, file, image, encoding: _, peak: _, factor: _ } = texture;
     match image.format {
         ImageFormat::Png => Ok(png::load(file)?.pixels),
         ImageFormat::Jpeg => Ok(jpeg::load(file)?.0),

@@ -104,8 +104,14 @@ const HDR: &[u8] = b"#?RADIANCE\n# made by hand\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 
 fn loaded(ending: &str, bytes: &[u8]) -> (Loaded, Pixels) {
     let loaded = load(ending, bytes, MOST).unwrap_or_else(|error| panic!("{ending}: {error:?}"));
     let encoding = Encoding::Linear;
-    let texture =
-        Texture { name: "t".to_owned(), file: loaded.file.clone(), image: loaded.info, encoding, peak: loaded.peak };
+    let texture = Texture {
+        name: "t".to_owned(),
+        file: loaded.file.clone(),
+        image: loaded.info,
+        encoding,
+        peak: loaded.peak,
+        factor: [1.0; 3],
+    };
     let pixels = stored(&texture).expect("what was read is read again");
     // What is plain stays as it is.
     let again = load(loaded.info.format.ending(), &loaded.file, MOST).expect("a plain file");

@@ -24,6 +24,21 @@ pub struct Texture {
     pub encoding: Encoding,
     /// The largest of its numbers once they are linear.
     pub peak: f64,
+    /// By what its linear red, green and blue are multiplied, each from 0 to 1; 1 for an image of the environment, whose light has
+    /// a tint. No more than 1, since glTF has no more.
+    pub factor: [f64; 3],
+}
+
+impl Texture {
+    /// Whether its numbers are multiplied by anything.
+    pub fn is_scaled(&self) -> bool {
+        self.factor != [1.0; 3]
+    }
+
+    /// No channel of it is larger.
+    pub fn most(&self) -> f64 {
+        self.peak * self.factor.into_iter().fold(0.0, f64::max)
+    }
 }
 
 /// How the numbers of an image become linear.

@@ -2,7 +2,7 @@
 #![doc = include_str!("reflectance_over_one.md")]
 
 use super::{Level, Report, Rule, Subject};
-use crate::ir::{Bsdf, Color};
+use crate::ir::{Bsdf, Color, Texture};
 
 pub(super) const RULE: Rule = Rule {
     id: "reflectance-over-one",
@@ -25,7 +25,7 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
                 None
             }
         };
-        let Some(most) = reflectance.map(Color::max).or(image.map(|texture| texture.peak)) else { continue };
+        let Some(most) = reflectance.map(Color::max).or(image.map(Texture::most)) else { continue };
         if most <= 1.0 {
             continue;
         }

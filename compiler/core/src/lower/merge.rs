@@ -47,8 +47,8 @@ fn merged_textures(
     lights: &mut Arena<LightSource>,
 ) -> Arena<Texture> {
     let equal = |one: &Texture, other: &Texture| {
-        let Texture { name: _, file, image, encoding, peak: _ } = one;
-        *encoding == other.encoding && *image == other.image && *file == other.file
+        let Texture { name: _, file, image, encoding, peak: _, factor } = one;
+        *factor == other.factor && *encoding == other.encoding && *image == other.image && *file == other.file
     };
     let all: Vec<&Texture> = old.values().collect();
     let same: Vec<usize> = all

@@ -406,7 +406,14 @@ fn equal_textures_become_one_and_unused_ones_go() {
     place(&mut scene, mesh, Affine::IDENTITY);
     let image = ImageInfo { format: ImageFormat::Png, width: 2, height: 2, channels: 3, bits: 8 };
     let mut add = |name: &str, bytes: &[u8], encoding| {
-        let texture = Texture { name: name.to_owned(), file: ImageFile::new(bytes), image, encoding, peak: 1.0 };
+        let texture = Texture {
+            name: name.to_owned(),
+            file: ImageFile::new(bytes),
+            image,
+            encoding,
+            peak: 1.0,
+            factor: [1.0; 3],
+        };
         scene.textures.push(texture, Origin::Made)
     };
     let unused = add("unused", b"a", Encoding::Srgb);

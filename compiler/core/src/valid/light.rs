@@ -1,7 +1,7 @@
 //! Lights without a surface: numbers in range, a direction, one environment.
 
 use crate::diag::Finding;
-use crate::ir::{Affine, LightKind, LightSource, Scene, length};
+use crate::ir::{Affine, LightKind, LightSource, Scene, Texture, length};
 
 use super::fits;
 
@@ -19,8 +19,12 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
         match kind {
             LightKind::Environment { radiance, tint, turn } => {
                 let image = radiance.texture().map(|texture| scene.textures.values().nth(texture.index()));
-                if image.is_some_and(|image| image.is_none_or(|texture| !texture.image.format.is_float())) {
-                    fault("invalid-light", "its image is not in the scene, or holds no floats");
+                let unfit = |texture: &Texture| !texture.image.format.is_float() || texture.is_scaled();
+                if image.is_some_and(|image| image.is_none_or(unfit)) {
+                    fault(
+                        "invalid-light",
+                        "its image is not in the scene, holds no floats, or has a factor of its own",
+                    );
                 }
                 if !(radiance.texture().is_some() || (tint.is_grey() && tint.max() == 1.0 && *turn == Affine::IDENTITY))
                 {

@@ -242,7 +242,14 @@ fn all_faults_are_reported_at_once() {
 #[test]
 fn textures_need_pixels_a_fitting_encoding_and_texture_coordinates() {
     let add = |scene: &mut Scene, image: ImageInfo, encoding: Encoding| {
-        let texture = Texture { name: "oak".to_owned(), file: ImageFile::new(b"a"), image, encoding, peak: 1.0 };
+        let texture = Texture {
+            name: "oak".to_owned(),
+            file: ImageFile::new(b"a"),
+            image,
+            encoding,
+            peak: 1.0,
+            factor: [1.0; 3],
+        };
         let place = Origin::File { path: "a".to_owned(), place: "texture".to_owned() };
         scene.textures.push(texture, place)
     };

@@ -5,7 +5,7 @@ use crate::ir::{Encoding, ImageInfo, Scene, Shape, Texture};
 
 pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
     for (origin, texture) in scene.textures.entries() {
-        let Texture { name, file, image, encoding, peak } = texture;
+        let Texture { name, file, image, encoding, peak, factor } = texture;
         let ImageInfo { format, width, height, channels, bits } = *image;
         let mut fault = |message: &str| {
             let message = format!("texture `{}`: {message}", name.escape_debug());
@@ -19,6 +19,9 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
         }
         if !(peak.is_finite() && *peak >= 0.0) {
             fault("its largest number is not finite, or negative");
+        }
+        if !factor.iter().all(|part| (0.0..=1.0).contains(part)) {
+            fault("its factor is not between 0 and 1");
         }
         if format.is_float() && *encoding == Encoding::Srgb {
             fault("its image holds floats, which are linear in every renderer");

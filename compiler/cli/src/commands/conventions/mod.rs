@@ -73,10 +73,11 @@ pub fn run(command: &Conventions) -> Result<Exit, Failure> {
     }
     if let Some(pages) = &command.output {
         for results in &all {
-            for line in report::moved(&results::load(pages)?, results) {
+            let kept = results::load(pages)?;
+            for line in report::moved(&kept, results) {
                 terminal::say(&line);
             }
-            let path = results::save(pages, results)?;
+            let path = results::save(pages, &results.beside(&kept, &chosen))?;
             terminal::say(&format!("{} written", path.display()));
         }
         stored(pages, false)?;

@@ -39,7 +39,6 @@ impl At {
 
 /// All of them.
 pub const RECORDS: &[Record] = &[
-    // Renderers without seeds refuse any but 0.
     Record {
         targets: &["mitsuba-3", "luxcore", "cycles", "pbrt-v4", "pbrt-v3"],
         features: &[Feature::Seed],

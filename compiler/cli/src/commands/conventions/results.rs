@@ -27,6 +27,18 @@ pub struct Results {
     pub rows: Vec<Row>,
 }
 
+impl Results {
+    /// These, and what is kept of the same renderer and version for conventions other than `chosen`. The order is mended where the
+    /// page is written.
+    pub fn beside(&self, kept: &[Self], chosen: &[&'static Convention]) -> Self {
+        let mut all = self.clone();
+        let same = kept.iter().find(|kept| (&kept.renderer, &kept.version) == (&self.renderer, &self.version));
+        let other = |row: &&Row| !chosen.iter().any(|convention| convention.name == row.convention);
+        all.rows.extend(same.iter().flat_map(|kept| &kept.rows).filter(other).cloned());
+        all
+    }
+}
+
 /// What came of one check.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]

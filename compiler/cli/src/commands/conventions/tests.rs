@@ -485,3 +485,18 @@ fn views_replace_what_they_name() {
     let scene = scene::prepared(convention, &view).expect("a scene");
     assert_eq!((scene.integrator.max_depth(), scene.film.width, scene.film.height), (1, 8, 4));
 }
+
+#[test]
+fn what_is_measured_of_one_convention_leaves_the_others() {
+    let (mirror, glass) = (asked("mirror", 0), asked("path_depth", 1));
+    let row = |one: &Asked, value| one.row(0, by("luxcore"), Ok(Some(value)));
+    let of = |version: &str, rows| Results { renderer: "luxcore".to_owned(), version: version.to_owned(), rows };
+    let kept = [
+        of("0.9", vec![row(&mirror, 9.0), row(&glass, 9.0)]),
+        of("1.0", vec![row(&mirror, 1.0), row(&mirror, 1.5), row(&glass, 2.0)]),
+    ];
+    let new = of("1.0", vec![row(&mirror, 3.0)]);
+    assert_eq!(new.beside(&kept, &[mirror.convention]), of("1.0", vec![row(&mirror, 3.0), row(&glass, 2.0)]));
+    let other = of("2.0", vec![row(&mirror, 3.0)]);
+    assert_eq!(other.beside(&kept, &[mirror.convention]), other, "another version has nothing to keep");
+}

@@ -65,7 +65,7 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
         })
         .collect();
     let material = |surface: &Surface| {
-        let Surface { name, scatter, emission, picture: _, lost: _ } = surface;
+        let Surface { name, scatter, emission, picture: _, factor: _, lost: _ } = surface;
         let material = Rc::new(MaterialValue {
             name: (!name.is_empty()).then(|| name.clone()),
             bsdf: bsdf(scatter, None).0,
@@ -111,7 +111,7 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
 
 /// The images of the surfaces that are used. One that cannot be read is reported, and the surface keeps its plain colour.
 fn textures(path: &VPath, surfaces: &[Surface], used: &[bool], site: &mut Site<'_>) -> Vec<Option<Handle<Texture>>> {
-    let mut known: BTreeMap<String, Option<Handle<Texture>>> = BTreeMap::new();
+    let mut known: BTreeMap<(String, [u64; 3]), Option<Handle<Texture>>> = BTreeMap::new();
     let mut all = Vec::new();
     for (surface, used) in surfaces.iter().zip(used) {
         let Some(picture) = surface.picture.as_ref().filter(|_| *used) else {
@@ -122,6 +122,7 @@ fn textures(path: &VPath, surfaces: &[Surface], used: &[bool], site: &mut Site<'
             Picture::Beside(name) => name.clone(),
             Picture::Inside { image, ending: _, bytes: _ } => format!("\0{image}"),
         };
+        let key = (key, surface.factor.map(f64::to_bits));
         if let Some(known) = known.get(&key) {
             all.push(*known);
             continue;
@@ -202,7 +203,7 @@ fn texture(path: &VPath, surface: &Surface, picture: &Picture, site: &mut Site<'
         true => (Encoding::Linear, peak),
         false => (Encoding::Srgb, image::decoded(peak)),
     };
-    Ok(Texture { name, file, image: info, encoding, peak })
+    Ok(Texture { name, file, image: info, encoding, peak, factor: surface.factor })
 }
 
 /// Says what of the materials is not read, or not exactly; once for each reason.

@@ -130,7 +130,12 @@ fn environment(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     let Some(ColorOrTexture::Texture(texture)) = args.color_or_texture("radiance") else {
         return light(LightKind::environment(tinted(strength(args, "radiance")?, &tint)?.into()));
     };
-    let format = site.host.image(texture).format;
+    let image = site.host.image(texture);
+    if image.is_scaled() {
+        return Err(Problem::new("radiance", "the image of an environment has no scale of its own")
+            .help("write `scale` and `tint` of `environment(...)`, which may be any numbers from 0 on"));
+    }
+    let format = image.image.format;
     if !format.is_float() {
         return Err(Problem::new(
             "radiance",

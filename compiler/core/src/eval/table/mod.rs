@@ -18,7 +18,7 @@ use std::sync::{Arc, OnceLock};
 
 use crate::diag::{Finding, Span};
 use crate::files::{Bytes, ReadError, VPath};
-use crate::ir::{Affine, Color, ColorOrTexture, Handle, ImageInfo, Texture, Vec3};
+use crate::ir::{Affine, Color, ColorOrTexture, Handle, Texture, Vec3};
 
 use super::function::Function;
 use super::value::{Ty, Value};
@@ -260,7 +260,7 @@ pub(super) trait Host {
     fn texture(&mut self, texture: Texture, span: Span) -> Handle<Texture>;
 
     /// The header of a texture that is kept.
-    fn image(&self, texture: Handle<Texture>) -> ImageInfo;
+    fn image(&self, texture: Handle<Texture>) -> &Texture;
 
     /// Maps that have been read from a file and are to be kept for the next call that names it.
     fn scattered(&mut self) -> &mut BTreeMap<VPath, Arc<[Affine]>>;

@@ -2,7 +2,7 @@
 
 use crate::diag::{Finding, Severity, Span};
 use crate::image::{self, ImageError, Loaded, Loss, Remark};
-use crate::ir::{Encoding, Texture};
+use crate::ir::{Color, Encoding, Texture};
 
 use super::super::Limit;
 use super::super::value::{Ty, Value};
@@ -25,6 +25,12 @@ pub(super) const ROWS: &[Constructor] = &[Constructor {
             ty: Ty::String,
             default: Some(""),
             doc: "`\"srgb\"` or `\"linear\"`; left out it is `\"srgb\"` for PNG and JPEG, `\"linear\"` for the formats of floats",
+        },
+        Parameter {
+            name: "scale",
+            ty: Ty::Color,
+            default: Some("1"),
+            doc: "a factor of its linear red, green and blue, 0..1",
         },
     ],
     positional: 1,
@@ -55,7 +61,17 @@ fn bitmap(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     }
     let name = path.stem().to_owned();
     let peak = if encoding == Encoding::Srgb { image::decoded(peak) } else { peak };
-    let texture = Texture { name, file, image: info, encoding, peak };
+    let factor = match args.get("scale") {
+        Some(_) => args.color("scale").unwrap_or(Color::Grey(1.0)).rgb(),
+        None => [1.0; 3],
+    };
+    if !factor.iter().all(|part| (0.0..=1.0).contains(part)) {
+        return Err(Problem::new("scale", "`scale` lies between 0 and 1 in each channel")
+            .id("invalid-texture")
+            .note("glTF has no larger factor, and a surface reflects no more than it receives")
+            .help("make the image itself brighter"));
+    }
+    let texture = Texture { name, file, image: info, encoding, peak, factor };
     Ok(Value::Texture(site.host.texture(texture, site.span)))
 }
 

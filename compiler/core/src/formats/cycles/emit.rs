@@ -88,7 +88,7 @@ fn description(emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out)?;
     let painted = images::on_surfaces(scene);
     for ((handle, item), id) in scene.textures.iter().zip(&textures) {
-        let Texture { name, file: _, image: _, encoding: _, peak: _ } = item;
+        let Texture { name, file: _, image: _, encoding: _, peak: _, factor: _ } = item;
         comment(name, id, out)?;
         // An image of the environment alone is a file of floats, which is not decoded.
         let purpose = if painted[handle.index()] { images::Use::Surface } else { images::Use::Sky([1.0; 3]) };

@@ -48,6 +48,7 @@ fn supports(feature: Feature) -> Support {
         | Feature::ColouredTexture
         | Feature::LinearTexture
         | Feature::DeepTexture
+        | Feature::ScaledTexture
         | Feature::JpegTexture
         | Feature::LinearJpegTexture
         | Feature::ExrTexture

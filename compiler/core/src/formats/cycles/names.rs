@@ -1,14 +1,15 @@
 //! The conventions of Blender for numbers and names.
 
-use crate::formats::shared::images::{Form, Use};
+use crate::formats::shared::images::{self, Form, Use};
 use crate::ir::{Encoding, Texture};
 
 /// What Blender does with an image: it decodes codes of sRGB after it interpolated between them (4.5: a black and a white pixel give
 /// 0.21 between them instead of 0.5), so that it gets decoded ones.
 pub fn images(texture: &Texture, purpose: Use) -> Form {
     match (purpose, texture.encoding) {
-        (Use::Surface, Encoding::Srgb) => Form::Decoded,
-        (Use::Surface, Encoding::Linear) | (Use::Sky(_), _) => Form::Shared,
+        (Use::Surface, Encoding::Srgb) => images::on_surface(texture, Form::Decoded),
+        (Use::Surface, Encoding::Linear) => images::on_surface(texture, Form::Shared),
+        (Use::Sky(_), _) => Form::Shared,
     }
 }
 

@@ -114,7 +114,7 @@ fn document<'a>(emission: &Emission<'a>, form: &Form<'_>) -> (doc::Document, Lay
     extensions.extend(lights.iter().map(|_| "KHR_lights_punctual"));
     extensions.extend(&required);
     let (mut images, mut uses) = (Vec::new(), Vec::new());
-    for ((Texture { name, file: bytes, image, encoding: _, peak: _ }, file), index) in textures(scene) {
+    for ((Texture { name, file: bytes, image, encoding: _, peak: _, factor: _ }, file), index) in textures(scene) {
         let place = match form {
             Form::Separate { stem: _ } => doc::ImagePlace::Uri { uri: format!("textures/{file}") },
             Form::Container => {

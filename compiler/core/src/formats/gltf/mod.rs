@@ -69,6 +69,7 @@ fn supports(feature: Feature) -> Support {
         | Feature::ColouredTexture
         | Feature::SrgbTexture
         | Feature::DeepTexture
+        | Feature::ScaledTexture
         | Feature::JpegTexture
         | Feature::VertexNormals
         | Feature::NoNormals

@@ -21,7 +21,7 @@ fn paint(scene: &Scene, value: &ColorOrTexture) -> ([f64; 3], Option<doc::Textur
             let own = &scene.textures[*handle];
             let known = textures(scene).find(|((texture, _), _)| std::ptr::eq(*texture, own));
             match known {
-                Some((_, index)) => ([1.0; 3], Some(doc::TextureIndex { index })),
+                Some((_, index)) => (held(&Color::Rgb(own.factor)), Some(doc::TextureIndex { index })),
                 None => (Color::Grey(formats::STAND_IN).rgb(), None),
             }
         }

@@ -27,7 +27,7 @@ pub fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
         writeln!(out, "# {head}")?;
         settings(scene, &scene.cameras[emission.camera], out)
     })?;
-    if scene.textures.values().any(|texture| texture.encoding == Encoding::Srgb) {
+    if scene.textures.values().any(|texture| encoding(texture) == Encoding::Srgb) {
         text::file(sink, names::SRGB_FILE, |out| {
             writeln!(out, "# {head}")?;
             out.write_all(names::SRGB_CONFIG.as_bytes())
@@ -37,7 +37,8 @@ pub fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
         writeln!(out, "# {head}")?;
         view(scene, &scene.cameras[emission.camera], out)?;
         description(emission, out)
-    })
+    })?;
+    images::write_own(scene, images::shared_or_scaled, sink)
 }
 
 fn settings(scene: &Scene, camera: &Camera, out: &mut dyn Write) -> io::Result<()> {
@@ -128,7 +129,7 @@ fn description(emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
     let painted = images::on_surfaces(scene);
     for ((handle, item), id) in scene.textures.iter().zip(&textures).filter(|((handle, _), _)| painted[handle.index()])
     {
-        let path = images::path(emission, handle, images::Use::Surface, images::all_shared).unwrap_or_default();
+        let path = images::path(emission, handle, images::Use::Surface, images::shared_or_scaled).unwrap_or_default();
         texture(item, id, &path, out)?;
     }
     for (item, id) in scene.materials.values().zip(&materials) {
@@ -169,7 +170,7 @@ fn description(emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
     for (light, id) in scene.lights.values().zip(&lights) {
         let LightSource { name, kind } = light;
         comment(name, id, out)?;
-        let file = images::sky_path(emission, kind, images::all_shared);
+        let file = images::sky_path(emission, kind, images::shared_or_scaled);
         light_source(kind, (id, file.as_deref()), out)?;
     }
     // LuxCore has no groups: each use of a shape is an object, and the meshes are shared.
@@ -202,13 +203,18 @@ fn surface(material: usize, emission: Option<&Light>) -> Surface {
     (material, emission.map(|Light { radiance }| radiance.rgb().map(f64::to_bits)))
 }
 
+/// How the numbers of an image on surfaces become linear, in the form that LuxCore gets.
+fn encoding(texture: &Texture) -> Encoding {
+    images::shared_or_scaled(texture, images::Use::Surface).encoding(texture)
+}
+
 /// An image. LuxCore's v grows downwards in it (measured with 2.11.2), so it is mirrored.
 fn texture(texture: &Texture, id: &str, path: &str, out: &mut dyn Write) -> io::Result<()> {
     comment(&texture.name, id.strip_suffix("_image").unwrap_or(id), out)?;
     let mut put = |name: &str, value: &str| set(out, &format!("scene.textures.{id}.{name}"), value);
     put("type", "\"imagemap\"")?;
     put("file", &Quoted(path).to_string())?;
-    names::decoding(texture.encoding).iter().try_for_each(|(name, value)| put(name, value))?;
+    names::decoding(encoding(texture)).iter().try_for_each(|(name, value)| put(name, value))?;
     // Numbers that are decoded and then kept in bytes lose most of their dark ones.
     put("storage", "\"float\"")?;
     put("wrap", "\"repeat\"")?;

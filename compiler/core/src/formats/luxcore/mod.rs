@@ -21,7 +21,7 @@ pub const LUXCORE: Target = Target {
     shares_meshes: true,
     supports,
     conversions: conversions::CONVERSIONS,
-    images: images::all_shared,
+    images: images::shared_or_scaled,
     bound: conversions::bound,
     choices: &[],
     emit: emit::emit,
@@ -51,6 +51,7 @@ fn supports(feature: Feature) -> Support {
         | Feature::TintedEnvironment
         | Feature::LinearTexture
         | Feature::DeepTexture
+        | Feature::ScaledTexture
         | Feature::JpegTexture
         | Feature::LinearJpegTexture
         | Feature::ExrTexture

@@ -8,7 +8,7 @@ use super::names::{
 };
 use crate::files::Sink;
 use crate::formats::shared::camera;
-use crate::formats::shared::images;
+use crate::formats::shared::images::{self, Form};
 use crate::formats::shared::names::Words;
 use crate::formats::shared::number::{Num, Row, count};
 use crate::formats::shared::text::{self, Head, Xml, XmlComment};
@@ -324,15 +324,16 @@ fn emitter(names: &Names, kind: &LightKind, (id, image): (&str, Option<&str>), o
 
 /// An image. Mitsuba's v grows downwards in it (measured with 3.9.1; `Texture2D` and `TMIPMap` of 0.6), so it is mirrored.
 fn texture(names: &Names, texture: &Texture, id: &str, path: &str, out: &mut dyn Write) -> io::Result<()> {
-    let Texture { name: _, file: _, image, encoding, peak: _ } = texture;
+    let form = images::on_surface(texture, Form::Shared);
+    let floats = form.holds_floats(texture);
     writeln!(out, "\t<texture type=\"bitmap\" id=\"{id}\">")?;
     string(out, 2, "filename", path)?;
     string(out, 2, names.filter_type.0, names.filter_type.1)?;
     string(out, 2, names.wrap_mode, "repeat")?;
-    let linear = *encoding == Encoding::Linear;
+    let linear = form.encoding(texture) == Encoding::Linear;
     if names.to_uv {
         // Nothing is decoded then; images of floats never are.
-        if linear && !image.format.is_float() {
+        if linear && !floats {
             writeln!(out, "\t\t<boolean name=\"raw\" value=\"true\"/>")?;
         }
         writeln!(out, "\t\t<transform name=\"to_uv\">")?;

@@ -89,6 +89,7 @@ fn supports(version: Version, feature: Feature) -> Support {
         | Feature::SrgbTexture
         | Feature::LinearTexture
         | Feature::DeepTexture
+        | Feature::ScaledTexture
         | Feature::JpegTexture
         | Feature::LinearJpegTexture
         | Feature::ExrTexture

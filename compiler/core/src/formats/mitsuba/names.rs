@@ -82,9 +82,9 @@ pub fn images_3(texture: &Texture, purpose: Use) -> Form {
 }
 
 /// Images of Mitsuba 0.x.
-pub fn images_0(_: &Texture, purpose: Use) -> Form {
+pub fn images_0(texture: &Texture, purpose: Use) -> Form {
     match purpose {
-        Use::Surface => Form::Shared,
+        Use::Surface => images::on_surface(texture, Form::Shared),
         Use::Sky(tint) => match images::split(tint) {
             (_, [1.0, 1.0, 1.0]) => Form::Shared,
             (_, color) => Form::Tinted(color),

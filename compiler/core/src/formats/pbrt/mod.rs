@@ -106,6 +106,7 @@ fn supports_v4(feature: Feature) -> Support {
         | Feature::SrgbTexture
         | Feature::LinearTexture
         | Feature::DeepTexture
+        | Feature::ScaledTexture
         | Feature::JpegTexture
         | Feature::LinearJpegTexture
         | Feature::ExrTexture
@@ -253,6 +254,7 @@ fn supports_v3(feature: Feature) -> Support {
         | Feature::LinearTexture
         | Feature::JpegTexture
         | Feature::DeepTexture
+        | Feature::ScaledTexture
         | Feature::LinearJpegTexture
         | Feature::HdrTexture
         | Feature::ExrTexture
@@ -338,7 +340,7 @@ fn supports_v3(feature: Feature) -> Support {
         Feature::Spectrum => super::RGB_ONLY,
         Feature::SeveralCameras => super::ONE_CAMERA,
         Feature::Seed => Support::approximate(
-            "PBRT v3 has no seed: its random sampler gives the same image every time",
+            "PBRT v3 has no seed in the file; `ltsc render --seed` makes one for path tracing by rows of tiles above the image",
             "other noise, the same expected image",
         ),
     }

@@ -154,6 +154,8 @@ fn spectra(scene: &Scene) -> bool {
 pub fn images(version: Version, texture: &Texture, purpose: Use) -> Form {
     match (version, purpose, texture.image.format) {
         (Version::V4, Use::Sky(tint), _) => Form::Octahedral(images::split(tint).1),
+        // Both have a word for a factor, a number or a color by the version; in the image it is the same for all.
+        (_, Use::Surface, _) if texture.is_scaled() => Form::Tinted(texture.factor),
         // pbrt-v4 reads these two, v3 the first with 8 bits. The ports pbrt-r4 and pbrt-r3 refuse PNG of 16 bits, and r4 takes Radiance
         // HDR for codes of sRGB (4.5.2, 3.2.0).
         (_, _, ImageFormat::Png) if texture.image.bits > 8 => Form::Tinted([1.0; 3]),

@@ -80,7 +80,8 @@ mod tests {
                 crate::ir::ImageInfo { format: crate::ir::ImageFormat::Png, width: 1, height: 1, channels: 3, bits: 8 };
             let file = crate::ir::ImageFile::new(b"a");
             let encoding = crate::ir::Encoding::Srgb;
-            let texture = crate::ir::Texture { name: "a".to_owned(), file, image, encoding, peak: 1.0 };
+            let texture =
+                crate::ir::Texture { name: "a".to_owned(), file, image, encoding, peak: 1.0, factor: [1.0; 3] };
             textures.push(texture, crate::diag::Origin::Made)
         };
         assert_eq!(mapped(&ColorOrTexture::Texture(handle), twice), Mapped::Texture(handle, 1.0));

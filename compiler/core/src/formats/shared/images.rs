@@ -64,6 +64,15 @@ impl Form {
         }
     }
 
+    /// Whether its file holds floats, which are linear in every renderer.
+    pub fn holds_floats(self, texture: &Texture) -> bool {
+        match self {
+            Self::Shared | Self::None => texture.image.format.is_float(),
+            Self::Png => false,
+            Self::Pfm | Self::Decoded | Self::Tinted(_) | Self::Rows(_) | Self::Octahedral(_) => true,
+        }
+    }
+
     fn write(self, texture: &Texture) -> io::Result<Vec<u8>> {
         let bytes = match self {
             Self::Shared | Self::None => texture.file.to_vec(),
@@ -184,7 +193,20 @@ pub fn sky_path(emission: &Emission<'_>, kind: &LightKind, forms: Forms) -> Opti
     path(emission, kind.texture()?, Use::Sky(kind.color().rgb()), forms)
 }
 
-/// What every target that reads all formats does: the scene's own file.
+/// The form of an image on surfaces for targets without a word for its factor: `form` where it has none.
+pub fn on_surface(texture: &Texture, form: Form) -> Form {
+    if texture.is_scaled() { Form::Tinted(texture.factor) } else { form }
+}
+
+/// What every target that reads all formats does: the scene's own file, unless it has a factor.
+pub fn shared_or_scaled(texture: &Texture, purpose: Use) -> Form {
+    match purpose {
+        Use::Surface => on_surface(texture, Form::Shared),
+        Use::Sky(_) => Form::Shared,
+    }
+}
+
+/// The scene's own file, for targets that have a word for its factor.
 pub fn all_shared(_: &Texture, _: Use) -> Form {
     Form::Shared
 }

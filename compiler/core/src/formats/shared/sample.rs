@@ -167,5 +167,12 @@ pub fn image(name: &str, format: ImageFormat, encoding: Encoding) -> Texture {
         }
     };
     let loaded = image::load(format.ending(), &bytes.expect("an image"), 1 << 20).expect("an image");
-    Texture { name: name.to_owned(), file: loaded.file, image: loaded.info, encoding, peak: loaded.peak }
+    Texture {
+        name: name.to_owned(),
+        file: loaded.file,
+        image: loaded.info,
+        encoding,
+        peak: loaded.peak,
+        factor: [1.0; 3],
+    }
 }

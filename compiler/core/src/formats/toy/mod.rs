@@ -23,7 +23,7 @@ pub const TOY: Target = Target {
     shares_meshes: true,
     supports,
     conversions: &[(Feature::Camera, "half the angle of view")],
-    images: images::all_shared,
+    images: images::shared_or_scaled,
     bound: |_, _| None,
     choices: &[],
     emit,
@@ -77,6 +77,7 @@ fn supports(feature: Feature) -> Support {
         | Feature::SrgbTexture
         | Feature::LinearTexture
         | Feature::DeepTexture
+        | Feature::ScaledTexture
         | Feature::JpegTexture
         | Feature::LinearJpegTexture
         | Feature::ExrTexture

@@ -42,6 +42,8 @@ pub struct Surface {
     pub emission: Option<Vec3>,
     /// The image that gives its diffuse or base colour, over the first texture coordinates.
     pub picture: Option<Picture>,
+    /// A factor of that image's linear numbers; 1 without an image.
+    pub factor: Vec3,
     /// What the file says of it that is not in here, in words.
     pub lost: Vec<&'static str>,
 }

@@ -7,7 +7,7 @@
 //! | `illum 6`, `7` | clear glass of index `Ni` |
 //! | `illum 4`, `9`, or none with `Ni` > 1, and less than half opaque | the same |
 //! | `d`, else `Tr` | how opaque: `Tr` is `1 - d`, but 1 where several programs write what is opaque |
-//! | `map_Kd` | a texture in the place of `Kd`, with the options `-s` and `-o` |
+//! | `map_Kd` | a texture, times `Kd`, with the options `-s` and `-o` |
 //! | `Ke` | radiance of an emitter |
 //! | `Ka` | nothing: ambient light is no light of a scene |
 //!
@@ -236,15 +236,16 @@ impl Entry {
                 if self.illum.is_some_and(glassy) && self.filter.is_some_and(|filter| filter != [1.0; 3]) {
                     self.lose("the tint of transmitted light (`Tf`)");
                 }
-                if self.picture.is_some() && self.kd.is_some_and(|kd| kd != [1.0; 3]) {
-                    self.lose("the factor (`Kd`) on a texture (`map_Kd`)");
+                if self.picture.is_some() && self.kd == Some([0.0; 3]) {
+                    self.lose("anything of its texture (`map_Kd`), which is black times `Kd 0 0 0`");
                 }
                 Scatter::Diffuse(self.kd.unwrap_or([GREY; 3]))
             }
         };
-        let Self { name, ke, picture, lost, .. } = self;
+        let Self { name, ke, kd, picture, lost, .. } = self;
+        let factor = kd.filter(|_| picture.is_some()).unwrap_or([1.0; 3]);
         let picture = picture.map(Picture::Beside);
-        Surface { name, scatter, emission: ke.filter(|ke| *ke != [0.0; 3]), picture, lost }
+        Surface { name, scatter, emission: ke.filter(|ke| *ke != [0.0; 3]), picture, factor, lost }
     }
 }
 

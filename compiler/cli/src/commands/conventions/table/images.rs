@@ -40,18 +40,29 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "texture_colors",
-        &[Feature::ColouredTexture, Feature::TextureCoordinates],
-        &[View::plain(&[
-            tone("upper left, red", UPPER_LEFT, Channel::Red, 0.577_580),
-            tone("upper left, green", UPPER_LEFT, Channel::Green, 0.045_186),
-            tone("upper left, blue", UPPER_LEFT, Channel::Blue, 0.012_983),
-            tone("upper right, green", UPPER_RIGHT, Channel::Green, 0.456_411),
-            tone("upper right, blue", UPPER_RIGHT, Channel::Blue, 0.102_242),
-            tone("lower left, red", LOWER_LEFT, Channel::Red, 0.012_983),
-            tone("lower left, blue", LOWER_LEFT, Channel::Blue, 0.715_694),
-            tone("lower right, red", LOWER_RIGHT, Channel::Red, 0.351_533),
-            tone("lower right, blue", LOWER_RIGHT, Channel::Blue, 0.021_219),
-        ])]
+        &[Feature::ColouredTexture, Feature::TextureCoordinates, Feature::ScaledTexture],
+        &[
+            View::plain(&[
+                tone("upper left, red", UPPER_LEFT, Channel::Red, 0.577_580),
+                tone("upper left, green", UPPER_LEFT, Channel::Green, 0.045_186),
+                tone("upper left, blue", UPPER_LEFT, Channel::Blue, 0.012_983),
+                tone("upper right, green", UPPER_RIGHT, Channel::Green, 0.456_411),
+                tone("upper right, blue", UPPER_RIGHT, Channel::Blue, 0.102_242),
+                tone("lower left, red", LOWER_LEFT, Channel::Red, 0.012_983),
+                tone("lower left, blue", LOWER_LEFT, Channel::Blue, 0.715_694),
+                tone("lower right, red", LOWER_RIGHT, Channel::Red, 0.351_533),
+                tone("lower right, blue", LOWER_RIGHT, Channel::Blue, 0.021_219),
+            ]),
+            quarters(
+                "with a factor",
+                &[("factor", "rgb(0.5, 0.25, 0.75)")],
+                &[
+                    tone("upper left, red", UPPER_LEFT, Channel::Red, 0.288_790),
+                    tone("upper right, green", UPPER_RIGHT, Channel::Green, 0.114_103),
+                    tone("lower left, blue", LOWER_LEFT, Channel::Blue, 0.536_770),
+                ]
+            )
+        ]
     ),
     convention!(
         "environment_image",

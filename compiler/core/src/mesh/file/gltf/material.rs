@@ -185,10 +185,10 @@ fn look(
     lose(shines && material.get("doubleSided") == Some(&Value::Bool(true)), "that it emits on its back, too");
     let Texture { picture, set, map, ends, lost: of_image } =
         painted.unwrap_or(Texture { picture: None, set: 0, map: PLAIN, ends: false, lost: Vec::new() });
-    lose(picture.is_some() && base != [1.0; 3], "the factor on a texture of the base color");
     lost.extend(of_image);
     let name = material.text("name").unwrap_or_default().to_owned();
-    let surface = Surface { name, scatter, emission: shines.then_some(emission), picture, lost };
+    let factor = if picture.is_some() { base } else { [1.0; 3] };
+    let surface = Surface { name, scatter, emission: shines.then_some(emission), picture, factor, lost };
     Ok(Look { surface, set, map, ends })
 }
 

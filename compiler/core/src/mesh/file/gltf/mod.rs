@@ -308,6 +308,7 @@ impl<'v> Reader<'v, '_> {
                 scatter: Scatter::Diffuse([1.0; 3]),
                 emission: None,
                 picture: None,
+                factor: [1.0; 3],
                 lost: vec!["what it is made of, but for the colors of its vertices"],
             },
         };

@@ -84,6 +84,7 @@ fn nodes_place_their_meshes_with_z_up() {
         scatter: Scatter::Diffuse([0.5, 0.25, 0.125]),
         emission: None,
         picture: None,
+        factor: [1.0; 3],
         lost: vec![],
     };
     assert_eq!(model.surfaces, [paint]);
@@ -166,6 +167,23 @@ fn materials_are_told() {
     let base = [1.0; 3];
     assert_eq!(lamp.scatter, Scatter::MetallicRoughness { base, metallic: 1.0, roughness: 1.0, ior: 1.5 });
     assert_eq!(lamp.lost.len(), 1, "{:?}", lamp.lost);
+}
+
+#[test]
+fn an_image_is_multiplied_by_the_factor_of_its_color() {
+    let bytes = changed(|document| {
+        document["materials"][0] = json!({"name": "p", "pbrMetallicRoughness":
+            {"baseColorTexture": {"index": 0}, "baseColorFactor": [0.5, 0.25, 1, 1]}});
+        document["textures"] = json!([{"source": 0}]);
+        document["images"] = json!([{"uri": "oak.png"}]);
+    });
+    let (model, _) = read_parts("glb", &bytes, &mut alone).expect("a good file");
+    let surface = &model.surfaces[0];
+    assert_eq!(
+        (surface.factor, surface.picture.is_some(), surface.lost.len()),
+        ([0.5, 0.25, 1.0], true, 0),
+        "{surface:?}"
+    );
 }
 
 #[test]

@@ -67,13 +67,31 @@ fn colors_and_mirrors() {
         ("Kd 0 0 0; Ks 0.9 0.9 0.9; illum 3", Scatter::Mirror([0.9; 3]), &[]),
         ("Kd 0.2 0.2 0.8; Ks 0.9 0.9 0.9; illum 3", BLUE, &[highlights]),
         ("Kd 0.2 0.2 0.8; Ks 0.9 0.9 0.9; illum 1", BLUE, &[]),
-        ("Kd 0.2 0.2 0.8; map_Kd oak.png", BLUE, &["the factor (`Kd`) on a texture (`map_Kd`)"]),
+        ("Kd 0.2 0.2 0.8; map_Kd oak.png", BLUE, &[]),
+        (
+            "Kd 0 0 0; map_Kd oak.png",
+            Scatter::Diffuse([0.0; 3]),
+            &["anything of its texture (`map_Kd`), which is black times `Kd 0 0 0`"],
+        ),
         ("Kd 1 1 1; map_Kd oak.png", Scatter::Diffuse([1.0; 3]), &[]),
         ("Kd 0.2 0.2 0.8; illum 10", BLUE, &["an illumination model (`illum`) other than 0 to 9"]),
         ("Kd 0.2 0.2 0.8; d -halo 1", BLUE, &["opacity that depends on the angle (`d -halo`)"]),
         ("Kd 0.2 0.2 0.8; decal a.png", BLUE, &["decals"]),
     ] {
         assert_eq!(made(statements), (scatter, lost.to_vec()), "{statements}");
+    }
+}
+
+/// Wavefront's MTL: the color is `Kd` times what the map holds; without `Kd` it is the map.
+#[test]
+fn a_map_is_multiplied_by_its_color() {
+    for (statements, factor) in [
+        ("Kd 0.2 0.2 0.8\nmap_Kd oak.png", [0.2, 0.2, 0.8]),
+        ("map_Kd oak.png\nKd 0.5", [0.5; 3]),
+        ("map_Kd oak.png", [1.0; 3]),
+    ] {
+        let (materials, notes) = library(&format!("newmtl a\n{statements}\n"));
+        assert_eq!((materials.surfaces[0].factor, notes), (factor, Vec::new()), "{statements}");
     }
 }
 
