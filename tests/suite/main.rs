@@ -23,6 +23,7 @@ mod page_cases;
 mod pages;
 mod ports;
 mod pre_commit;
+mod random;
 mod render;
 mod scale;
 mod seeds;

@@ -1,14 +1,15 @@
 //! The energy audit: what the files of a target say, read back from their text, against the Scene.
 //!
 //! A number that only went through text is the same to 1e-9 of itself ([`TEXT`]): texts hold the shortest form that reads back as
-//! the same double, and readers and writers do a few operations on it. Meshes are the same to 1e-9, since both sides hold the
-//! same single-precision positions; where a format moves vertices itself, their rounding to single precision is what may differ.
+//! the same double, and readers and writers do a few operations on it. Meshes are the same to the bit, since both sides hold the same
+//! single-precision numbers; where a format moves vertices itself, `vertices` says how far their rounding takes them.
 //! Where a target says of itself that it is not exact, what is compared is the number that it was given to come near, and of
 //! LuxCore's metals the reflectance, within what the fit says of that very metal.
 
 mod look;
 mod measure;
 mod settings;
+mod vertices;
 mod walk;
 
 use std::collections::BTreeMap;
@@ -159,8 +160,7 @@ pub struct Asked<'s> {
 impl<'s> Asked<'s> {
     /// Measures a scene that was lowered and validated.
     pub fn new(scene: &'s Scene, camera: Handle<Camera>) -> Self {
-        let measures: Vec<Measure> =
-            scene.meshes.values().map(|mesh| Measure::of(mesh.into(), &Affine::IDENTITY)).collect();
+        let measures: Vec<Measure> = scene.meshes.values().map(|mesh| Measure::whole(mesh.into())).collect();
         let of = |group: &'s Group| {
             let Group { name: _, shapes, instances: _ } = group;
             shapes.values().collect()
@@ -268,7 +268,7 @@ impl<'f> Meshes<'f> {
         if let Some(known) = self.known.get(path) {
             return known.clone();
         }
-        let found = self.read(path).map(|geometry| Measure::of((&geometry).into(), &Affine::IDENTITY));
+        let found = self.read(path).map(|geometry| Measure::whole((&geometry).into()));
         self.known.insert(path.clone(), found.clone());
         found
     }
@@ -387,7 +387,7 @@ fn measured(reading: &Reading, meshes: &mut Meshes<'_>, found: &mut Found) -> Ve
                 None
             }
         },
-        MeshPlace::Here(geometry) => Some(Measure::of(geometry.into(), &Affine::IDENTITY)),
+        MeshPlace::Here(geometry) => Some(Measure::whole(geometry.into())),
     };
     reading.meshes.iter().map(of).collect()
 }

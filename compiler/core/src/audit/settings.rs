@@ -63,7 +63,7 @@ fn filter(asked: &Asked<'_>, target: &Target, reading: &Reading, found: &mut Fou
 
 fn depth(asked: &Asked<'_>, target: &Target, reading: &Reading, found: &mut Found) {
     let integrator = &asked.scene.integrator;
-    let wanted = integrator.max_depth().min(i32::MAX as u32);
+    let wanted = integrator.max_depth().min(reading.deepest.unwrap_or(u32::MAX));
     // Some targets have no paths of one segment, and none has photons for them.
     let photons = match integrator {
         Integrator::PhotonMap { max_depth: _ } => !unsupported(&(target.supports)(Feature::PhotonMap)),

@@ -10,6 +10,7 @@ use super::python::{Arguments, Broken, Call, Said, Scanner, Value};
 use crate::files::VPath;
 use crate::formats::shared::camera::fov_y;
 use crate::formats::shared::coat::normal_reflectance;
+use crate::formats::shared::number::count;
 use crate::formats::shared::reading::{
     Emitted, Fresnel, Front, Item, Light, MeshPlace, MeshSource, Model, Paint, Reading, Surface, Use, View,
 };
@@ -132,6 +133,7 @@ impl Reader {
                 let arguments = Arguments::new(call, &["max_depth"]);
                 // The functions cannot make paths of one segment: with no bounce there is direct light.
                 self.reading.max_depth = arguments.count("max_depth", to);
+                self.reading.deepest = Some(count(u32::MAX));
                 arguments
             }
             "sampler" => {

@@ -6,6 +6,7 @@ use super::names;
 use super::properties::{Property, Said, Things, lines, string};
 use super::scatter;
 use crate::files::VPath;
+use crate::formats::shared::number::count;
 use crate::formats::shared::reading::{
     Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Reading, Surface, Use, View, turned,
 };
@@ -31,7 +32,7 @@ const DEPTHS: &[&str] =
 
 /// Reads the scene whose configuration is `main`.
 pub fn import(main: &VPath, source: &mut Source<'_>) -> Reading {
-    let mut reading = Reading::default();
+    let mut reading = Reading { deepest: Some(count(u32::MAX)), ..Reading::default() };
     let Some(scene) = settings(main, source, &mut reading) else { return reading };
     let Some(bytes) = source.bytes(&scene, || source::whole(main)) else { return reading };
     let Some(text) = source::text(source, &scene, &bytes) else { return reading };

@@ -9,6 +9,7 @@ use super::scatter::{self, Known};
 use super::xml::{self, Defaults, Element, Plugin, Said};
 use crate::diag::Origin;
 use crate::files::VPath;
+use crate::formats::shared::number::count;
 use crate::formats::shared::reading::{
     Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Reading, Surface, Use, View, inverse, turned,
 };
@@ -43,7 +44,7 @@ impl Reader {
     fn new(version: Version) -> Self {
         Self {
             version,
-            reading: Reading::default(),
+            reading: Reading { deepest: Some(count(u32::MAX)), ..Reading::default() },
             defaults: Defaults::new(),
             textures: BTreeMap::new(),
             ids: BTreeMap::new(),

@@ -10,6 +10,7 @@ use super::scatter::Known;
 use super::text::{Broken, Params, Said, Token, Tokens, unescaped};
 use crate::diag::Origin;
 use crate::files::VPath;
+use crate::formats::shared::number::count;
 use crate::formats::shared::reading::{
     Emitted, Front, Item, Light, MeshPlace, MeshSource, Model, Paint, Reading, Surface, Use, View, turned,
 };
@@ -98,7 +99,7 @@ impl Reader {
         let state = State { map: Affine::IDENTITY, material: None, emission: None, reversed: false };
         Self {
             version,
-            reading: Reading::default(),
+            reading: Reading { deepest: Some(count(u32::MAX)), ..Reading::default() },
             state,
             stack: Vec::new(),
             models: BTreeMap::new(),

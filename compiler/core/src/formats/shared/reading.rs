@@ -20,6 +20,8 @@ pub struct Reading {
     pub filter: Option<Filter>,
     /// Segments of a path, the camera's and the light's included.
     pub max_depth: Option<u32>,
+    /// The most segments that the format can say; none where it can say all.
+    pub deepest: Option<u32>,
     /// The camera.
     pub view: Option<View>,
     /// Materials, in the order of the file. Which surface has which says [`Use`].
