@@ -2,13 +2,14 @@
 //! `LTSC_RANDOM_SEED=N` for others; `LTSC_THOROUGH=1` for ten thousand.
 
 mod author;
-mod dice;
+pub mod dice;
 mod scene;
 mod shapes;
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use ltsc_core::diag::{Severity, Sources};
 use ltsc_core::eval::{Family, table};
@@ -89,8 +90,15 @@ pub fn scene_text(seed: u64) -> (String, Written) {
     (text, author.written)
 }
 
+/// The files of the scene with this seed, and its path.
+pub fn files_of(seed: u64) -> (MemoryFiles, String) {
+    let mut files = shared_files();
+    files.insert("x.lts", scene_text(seed).0);
+    (files, "x.lts".to_owned())
+}
+
 /// Writes a scene for all targets into memory, as `ltsc build` does.
-fn written(scene: &ltsc_core::valid::Valid, choices: &Choices) -> BTreeMap<String, Vec<u8>> {
+pub fn written(scene: &ltsc_core::valid::Valid, choices: &Choices) -> BTreeMap<String, Vec<u8>> {
     let (camera, _) = scene.cameras.iter().next().expect("a camera");
     let mut sink = MemorySink::default();
     formats::write_meshes(scene, "meshes/", &mut sink).expect("memory takes all");
@@ -143,8 +151,30 @@ fn outcome(files: &MemoryFiles, seed: u64) -> Outcome {
 }
 
 /// A number that the environment may set.
-fn number(name: &str) -> Option<u64> {
+pub fn number(name: &str) -> Option<u64> {
     std::env::var(name).ok()?.parse().ok()
+}
+
+/// What `work` gives for each of `count` seeds, two at a time.
+pub fn in_parallel<T: Send>(first: u64, count: u64, work: impl Fn(u64) -> T + Sync) -> Vec<(u64, T)> {
+    let next = AtomicU64::new(first);
+    let one = || {
+        let mut found = Vec::new();
+        loop {
+            let seed = next.fetch_add(1, Ordering::Relaxed);
+            if seed >= first + count {
+                return found;
+            }
+            found.push((seed, work(seed)));
+        }
+    };
+    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(2);
+    let mut all: Vec<(u64, T)> = std::thread::scope(|scope| {
+        let running: Vec<_> = (0..threads).map(|_| scope.spawn(one)).collect();
+        running.into_iter().flat_map(|thread| thread.join().expect("a thread that ends")).collect()
+    });
+    all.sort_by_key(|(seed, _)| *seed);
+    all
 }
 
 #[test]
@@ -153,24 +183,10 @@ fn valid_scenes_are_written_and_read_back() {
     let count = number("LTSC_RANDOM").unwrap_or(if thorough { MANY } else { FEW });
     let first = number("LTSC_RANDOM_SEED").unwrap_or(1);
     let files = shared_files();
-    let next = std::sync::atomic::AtomicU64::new(first);
-    let work = || {
-        let mut found = Vec::new();
-        loop {
-            let seed = next.fetch_add(1, std::sync::atomic::Ordering::Relaxed);
-            if seed >= first + count {
-                return found;
-            }
-            let outcome = catch_unwind(AssertUnwindSafe(|| outcome(&files, seed)));
-            found.push((seed, outcome.unwrap_or_else(|_| Outcome::Fault("it panicked".to_owned()))));
-        }
-    };
-    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(2);
-    let mut all: Vec<(u64, Outcome)> = std::thread::scope(|scope| {
-        let running: Vec<_> = (0..threads).map(|_| scope.spawn(work)).collect();
-        running.into_iter().flat_map(|thread| thread.join().expect("panics are caught")).collect()
+    let all = in_parallel(first, count, |seed| {
+        let outcome = catch_unwind(AssertUnwindSafe(|| outcome(&files, seed)));
+        outcome.unwrap_or_else(|_| Outcome::Fault("it panicked".to_owned()))
     });
-    all.sort_by_key(|(seed, _)| *seed);
     let (mut faults, mut refused) = (Vec::new(), BTreeMap::<String, Vec<u64>>::new());
     for (seed, outcome) in &all {
         match outcome {

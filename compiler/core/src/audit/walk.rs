@@ -11,7 +11,9 @@ use crate::capability::{self, Feature};
 use crate::formats::Target;
 use crate::formats::shared::images::{self, Forms, Use as Purpose};
 use crate::formats::shared::reading::{Front, Item, MeshPlace, Model, Paint, Picture, Reading, Rgb, Use};
-use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Emission, Handle, Instance, Mesh, Shape, Vec3, length, sub};
+use crate::ir::{
+    Affine, Bsdf, Color, ColorOrTexture, Emission, Handle, Instance, Material, Mesh, Shape, Vec3, length, sub,
+};
 use crate::mesh::Geometry;
 
 /// What is placed at once: a shape, or a group.
@@ -177,9 +179,47 @@ impl<'w> Walk<'w, '_, '_> {
             self.found.differs(format!("there are {all} surfaces instead of {surfaces}"));
             self.audit.said.surfaces = all;
         }
+        self.rest();
         let (emitters, wanted) = (self.audit.said.emitters, self.asked.sums.emitters);
         if emitters != wanted {
             self.found.differs(format!("there are {emitters} emitting surfaces instead of {wanted}"));
+        }
+    }
+
+    /// Materials that the file gives no surface: each must be one of the scene's.
+    fn rest(&mut self) {
+        let mut used = vec![false; self.reading.materials.len()];
+        let own = self.reading.items.iter().filter_map(|item| match item {
+            Item::Shape(one) => Some(one),
+            Item::Instance { name: _, group: _, transform: _ } => None,
+        });
+        for one in own.chain(self.reading.groups.iter().flatten()) {
+            if let Some(used) = used.get_mut(one.material) {
+                *used = true;
+            }
+        }
+        // Parts of others are among them, such as the two of a blend.
+        let whole = |model: &Model| match model {
+            Model::Mix { share: _, parts: _ } => true,
+            Model::Diffuse { reflectance: _ }
+            | Model::Conductor { fresnel: _, tint: _, alpha: _ }
+            | Model::Dielectric { eta: _, alpha: _ }
+            | Model::Coated { base: _, inside: _, ior: _, alpha: _ }
+            | Model::Principled { base: _, metallic: _, alpha: _, specular: _, ceiling: _ } => false,
+        };
+        let mixed = self.reading.materials.iter().any(|surface| whole(&surface.model));
+        for (surface, _) in self.reading.materials.iter().zip(used).filter(|(_, used)| !used && !mixed) {
+            let known = self.asked.scene.materials.values().any(|Material { name: _, bsdf }| {
+                let capped = if self.reading.capped { capped(bsdf) } else { None };
+                let bsdf = capped.as_ref().unwrap_or(bsdf);
+                let excused = self.excused(bsdf, &surface.model);
+                look::difference(&Materials { bsdf, surface, one_sided: true, excused }).is_none()
+                    && self.image_differs(bsdf, &surface.model).is_none()
+            });
+            if !known {
+                self.found
+                    .differs(format!("material `{}`, which no surface has, is none of the scene's", surface.name));
+            }
         }
     }
 
