@@ -541,17 +541,22 @@ fn ask_settings(asked: &mut Asked, film: &Film, integrator: &Integrator, sampler
             asked.add_if(!whole, Feature::CutGaussianFilter, place);
         }
     }
-    let (algorithm, from_lights) = algorithm(integrator);
+    let (algorithm, _) = algorithm(integrator);
     asked.add(algorithm, place);
     asked.add_if(integrator.max_depth() <= 1, Feature::EmissionOnly, place);
     asked.add_if(integrator.max_depth() >= 3, Feature::IndirectLight, place);
-    let points = match sampler {
+    asked.add(sampler_feature(sampler, integrator), place);
+    asked.add_if(sampler.seed() != 0, Feature::Seed, place);
+}
+
+/// The feature that a sampler is for the paths of an integrator.
+pub fn sampler_feature(sampler: &Sampler, integrator: &Integrator) -> Feature {
+    let (_, from_lights) = algorithm(integrator);
+    match sampler {
         Sampler::Independent { samples: _, seed: _ } => Feature::IndependentSampler,
         Sampler::Sobol { samples: _, seed: _ } if from_lights => Feature::SobolForLightPaths,
         Sampler::Sobol { samples: _, seed: _ } => Feature::SobolSampler,
-    };
-    asked.add(points, place);
-    asked.add_if(sampler.seed() != 0, Feature::Seed, place);
+    }
 }
 
 /// The feature that an integrator is, and whether its paths (those that the sampler is for) begin at the lights.

@@ -1,14 +1,16 @@
 //! The energy audit: what the files of a target say, read back from their text, against the Scene.
 //!
 //! A number that only went through text is the same to 1e-9 of itself ([`TEXT`]): texts hold the shortest form that reads back as
-//! the same double, and readers and writers do a few operations on it. Meshes are the same to 1e-9, since both sides hold the
-//! same single-precision positions; where a format moves vertices itself, their rounding to single precision is what may differ.
+//! the same double, and readers and writers do a few operations on it. Meshes are the same to the bit, since both sides hold the same
+//! single-precision numbers; where a format moves vertices itself, `vertices` says how far their rounding takes them.
 //! Where a target says of itself that it is not exact, what is compared is the number that it was given to come near, and of
 //! LuxCore's metals the reflectance, within what the fit says of that very metal.
 
 mod look;
 mod measure;
+mod pictures;
 mod settings;
+mod vertices;
 mod walk;
 
 use std::collections::BTreeMap;
@@ -159,8 +161,7 @@ pub struct Asked<'s> {
 impl<'s> Asked<'s> {
     /// Measures a scene that was lowered and validated.
     pub fn new(scene: &'s Scene, camera: Handle<Camera>) -> Self {
-        let measures: Vec<Measure> =
-            scene.meshes.values().map(|mesh| Measure::of(mesh.into(), &Affine::IDENTITY)).collect();
+        let measures: Vec<Measure> = scene.meshes.values().map(|mesh| Measure::whole(mesh.into())).collect();
         let of = |group: &'s Group| {
             let Group { name: _, shapes, instances: _ } = group;
             shapes.values().collect()
@@ -268,7 +269,7 @@ impl<'f> Meshes<'f> {
         if let Some(known) = self.known.get(path) {
             return known.clone();
         }
-        let found = self.read(path).map(|geometry| Measure::of((&geometry).into(), &Affine::IDENTITY));
+        let found = self.read(path).map(|geometry| Measure::whole((&geometry).into()));
         self.known.insert(path.clone(), found.clone());
         found
     }
@@ -280,16 +281,31 @@ impl<'f> Meshes<'f> {
         };
         let bytes = self.files.read(path, u64::MAX);
         let bytes = bytes.map_err(|problem| fault(String::new(), format!("the mesh cannot be read: {problem}")))?;
-        mesh::file::read(&path.extension(), &bytes, None, &mut mesh::file::alone)
-            .map(|(geometry, _)| geometry)
-            .map_err(|problem| fault(problem.place, problem.message))
+        if path.extension() == "ply" && !is_plain(&bytes) {
+            let message = "the corners of its triangles are no `vertex_indices`, which some renderers ask for";
+            return Err(fault("header".to_owned(), message.to_owned()));
+        }
+        let (geometry, notes) = mesh::file::read(&path.extension(), &bytes, None, &mut mesh::file::alone)
+            .map_err(|problem| fault(problem.place, problem.message))?;
+        // What a reader mends, another one may take as it is.
+        match notes.into_iter().next() {
+            None => Ok(geometry),
+            Some(note) => Err(fault(String::new(), note.message)),
+        }
     }
+}
+
+/// Whether a PLY file names its triangles as all renderers know them.
+fn is_plain(bytes: &[u8]) -> bool {
+    let head = bytes.windows(10).position(|window| window == b"end_header").unwrap_or(0);
+    let mut lines = bytes[..head].split(|byte| *byte == b'\n');
+    lines.any(|line| line == b"property list uchar int vertex_indices")
 }
 
 /// Reads the files of `target`, which has a reader, in `folder` (below the root of what `meshes` reads from, empty for the root) and compares them with the scene.
 pub fn audit(asked: &Asked<'_>, target: &'static Target, folder: &str, meshes: &mut Meshes<'_>) -> Audit {
     let name = target.main_file_of(&asked.scene.name);
-    let mut found = Found { target: target.name, main: name.clone(), findings: Vec::new(), more: 0 };
+    let mut found = Found { target: target.name, main: name.clone(), now: name.clone(), findings: Vec::new(), more: 0 };
     let mut audit = Audit {
         target: target.name,
         said: Sums::default(),
@@ -308,6 +324,7 @@ pub fn audit(asked: &Asked<'_>, target: &'static Target, folder: &str, meshes: &
         return audit;
     };
     found.main = main.as_str().to_owned();
+    found.stands_in(None);
     let mut source = Source::new(meshes.files);
     let reading = import(&main, &mut source);
     let unread = source.finish();
@@ -316,6 +333,7 @@ pub fn audit(asked: &Asked<'_>, target: &'static Target, folder: &str, meshes: &
     if unread.is_empty() {
         settings::compare(asked, target, &reading, &mut found);
         walk::compare(asked, target, &reading, meshes, &mut audit, &mut found);
+        pictures::compare(asked, target, &reading, meshes.files, &mut found);
     }
     audit.said.lights = reading.lights.len() as u64;
     audit.findings = unread;
@@ -351,17 +369,24 @@ fn unsupported(support: &Support) -> bool {
 struct Found {
     target: &'static str,
     main: String,
+    /// The file that is named: the main one, or the included one in which what is compared stands.
+    now: String,
     findings: Vec<Finding>,
     more: usize,
 }
 
 impl Found {
+    /// What is found from here on stands in this file, or in the main one.
+    fn stands_in(&mut self, file: Option<&VPath>) {
+        self.now = file.map_or_else(|| self.main.clone(), |file| file.as_str().to_owned());
+    }
+
     fn differs(&mut self, message: impl Into<String>) {
         if self.findings.len() == SHOWN {
             self.more += 1;
             return;
         }
-        let origin = Origin::File { path: self.main.clone(), place: String::new() };
+        let origin = Origin::File { path: self.now.clone(), place: String::new() };
         let finding = Finding::new(MISMATCH, Severity::Deny, origin, message.into());
         self.findings.push(finding.note(format!("read back from what was written for {}", self.target)));
     }
@@ -387,7 +412,7 @@ fn measured(reading: &Reading, meshes: &mut Meshes<'_>, found: &mut Found) -> Ve
                 None
             }
         },
-        MeshPlace::Here(geometry) => Some(Measure::of(geometry.into(), &Affine::IDENTITY)),
+        MeshPlace::Here(geometry) => Some(Measure::whole(geometry.into())),
     };
     reading.meshes.iter().map(of).collect()
 }

@@ -2,22 +2,28 @@
 
 use super::look::off;
 use super::{Asked, Found, TEXT, inexact, unsupported};
-use crate::capability::{Feature, Support, of_texture};
+use crate::capability::{Feature, Support, of_texture, sampler_feature};
 use crate::formats::Target;
 use crate::formats::shared::camera;
 use crate::formats::shared::images::Use;
-use crate::formats::shared::reading::{Light, Reading, Rgb, View};
+use crate::formats::shared::reading::{Clip, Light, Reading, Rgb, Sampling, View};
 use crate::ir::{
-    Axes, Camera, ColorOrTexture, Film, Filter, Integrator, LightKind, LightSource, Vec3, length, normalized, sub,
+    Axes, Camera, ColorOrTexture, Film, Filter, Integrator, LightKind, LightSource, Sampler, Vec3, length, normalized,
+    sub,
 };
 
-/// How far an angle in degrees may be off that formats round or nudge: a sharp edge of glTF is a millionth wide.
-const ANGLE: f64 = 1e-3;
+/// How far an angle of a cone in degrees may be off: TEXT of the largest, which is 90.
+const ANGLE: f64 = 90.0 * TEXT;
+
+/// What a format may take off the inner cone of a sharp edge, of the cone: a millionth in glTF, where it must be smaller, and the rounding
+/// of what is written.
+const EDGE: f64 = 1.001e-6;
 
 /// How far a principal point may be off, in pixels.
 const PIXEL: f64 = 1e-6;
 
 pub(super) fn compare(asked: &Asked<'_>, target: &Target, reading: &Reading, found: &mut Found) {
+    found.stands_in(reading.settings.as_ref());
     let Film { width, height, filter: _ } = &asked.scene.film;
     match reading.film {
         Some(film) if film == [*width, *height] => {}
@@ -30,7 +36,65 @@ pub(super) fn compare(asked: &Asked<'_>, target: &Target, reading: &Reading, fou
         Some(view) => view_differs(asked, view, found),
         None => found.differs("the files give no camera"),
     }
+    clip(asked, reading, found);
+    sampling(asked, target, reading, found);
+    found.stands_in(reading.description.as_ref());
     lights(asked, target, &reading.lights, found);
+}
+
+/// Clipping distances: those of the camera, and where it leaves them open those that a writer makes for its program.
+fn clip(asked: &Asked<'_>, reading: &Reading, found: &mut Found) {
+    let camera = &asked.scene.cameras[asked.camera];
+    // A reader whose format has them says so with the camera.
+    let Some(Clip { near, far, default }) = reading.clip else { return };
+    let shown = |distance: Option<f64>| distance.map_or("none".to_owned(), |distance| distance.to_string());
+    let mut compare = |name: &str, said: Option<f64>, wanted: Option<f64>| {
+        let same = match (said, wanted) {
+            (Some(said), Some(wanted)) => !off(said, wanted, TEXT * wanted),
+            (None, None) => true,
+            (Some(_), None) | (None, Some(_)) => false,
+        };
+        if !same {
+            found.differs(format!("the distance `{name}` is {} instead of {}", shown(said), shown(wanted)));
+        }
+    };
+    match default {
+        Some(default) => {
+            let (front, back) = camera::clipping(asked.scene, camera, default);
+            compare("near", near.or(Some(default.0)), front.or(Some(default.0)));
+            compare("far", far.or(Some(default.1)), back.or(Some(default.1)));
+        }
+        None => {
+            compare("near", near, Some(camera::must_near(asked.scene, camera)));
+            compare("far", far, camera.far);
+        }
+    }
+}
+
+fn sampling(asked: &Asked<'_>, target: &Target, reading: &Reading, found: &mut Found) {
+    let sampler = &asked.scene.sampler;
+    let Sampling { samples, seed, sobol } = &reading.sampling;
+    let wanted = i64::from(sampler.samples().min(reading.most.unwrap_or(u32::MAX)));
+    if let Some(other) = samples.iter().find(|samples| **samples != wanted) {
+        found.differs(format!("there are {other} samples instead of {wanted}"));
+    } else if samples.is_empty() {
+        found.differs("the files give no samples");
+    }
+    if let Some((said, of)) = seed
+        && *said != of(sampler.seed())
+    {
+        found.differs(format!("the seed is {said} instead of {}", of(sampler.seed())));
+    }
+    let feature = sampler_feature(sampler, &asked.scene.integrator);
+    let is_sobol = matches!(sampler, Sampler::Sobol { .. });
+    // Where a target has no such points for this algorithm, independent ones stand for them.
+    if let Some(sobol) = sobol
+        && *sobol != is_sobol
+        && !(is_sobol && inexact(&(target.supports)(feature)))
+    {
+        let word = |sobol: bool| if sobol { "a Sobol sequence" } else { "independent" };
+        found.differs(format!("the samples are {} instead of {}", word(*sobol), word(is_sobol)));
+    }
 }
 
 fn filter(asked: &Asked<'_>, target: &Target, reading: &Reading, found: &mut Found) {
@@ -63,7 +127,7 @@ fn filter(asked: &Asked<'_>, target: &Target, reading: &Reading, found: &mut Fou
 
 fn depth(asked: &Asked<'_>, target: &Target, reading: &Reading, found: &mut Found) {
     let integrator = &asked.scene.integrator;
-    let wanted = integrator.max_depth().min(i32::MAX as u32);
+    let wanted = integrator.max_depth().min(reading.most.unwrap_or(u32::MAX));
     // Some targets have no paths of one segment, and none has photons for them.
     let photons = match integrator {
         Integrator::PhotonMap { max_depth: _ } => !unsupported(&(target.supports)(Feature::PhotonMap)),
@@ -188,7 +252,8 @@ fn light_differs(
             LightKind::Spot { position, target, intensity, angle, inner },
             Light::Spot { position: at, direction, intensity: said, angle: cut, inner: full },
         ) => {
-            let cone = off(*angle, *cut, ANGLE) || off(*inner, *full, ANGLE);
+            let edge = if *inner >= angle * (1.0 - EDGE) { angle * EDGE } else { 0.0 };
+            let cone = off(*angle, *cut, ANGLE) || off(*inner, *full, ANGLE + edge);
             place(position, at)
                 .or_else(|| axis(sub(*target, *position), direction))
                 .or_else(|| cone.then(|| format!("has the angles {cut} and {full} instead of {angle} and {inner}")))

@@ -4,13 +4,17 @@ use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use super::look::{self, Materials, off};
-use super::measure::{Pair, area_factor, difference, finer_difference};
-use super::{Asked, Audit, Emits, Found, Lost, Measure, Meshes, emits, inexact, measured, unsupported};
+use super::measure::{Pair, area_factor, difference};
+use super::vertices::{self, PLACE, Placed, same_place};
+use super::{Asked, Audit, Found, Lost, Measure, Meshes, emits, inexact, measured, unsupported};
 use crate::capability::{self, Feature};
 use crate::formats::Target;
 use crate::formats::shared::images::{self, Forms, Use as Purpose};
 use crate::formats::shared::reading::{Front, Item, MeshPlace, Model, Paint, Picture, Reading, Rgb, Use};
-use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Emission, Instance, Shape, length, sub};
+use crate::ir::{
+    Affine, Bsdf, Color, ColorOrTexture, Emission, Handle, Instance, Material, Mesh, Shape, Vec3, length, sub,
+};
+use crate::mesh::Geometry;
 
 /// What is placed at once: a shape, or a group.
 struct Block<'b, T> {
@@ -175,9 +179,47 @@ impl<'w> Walk<'w, '_, '_> {
             self.found.differs(format!("there are {all} surfaces instead of {surfaces}"));
             self.audit.said.surfaces = all;
         }
+        self.rest();
         let (emitters, wanted) = (self.audit.said.emitters, self.asked.sums.emitters);
         if emitters != wanted {
             self.found.differs(format!("there are {emitters} emitting surfaces instead of {wanted}"));
+        }
+    }
+
+    /// Materials that the file gives no surface: each must be one of the scene's.
+    fn rest(&mut self) {
+        let mut used = vec![false; self.reading.materials.len()];
+        let own = self.reading.items.iter().filter_map(|item| match item {
+            Item::Shape(one) => Some(one),
+            Item::Instance { name: _, group: _, transform: _ } => None,
+        });
+        for one in own.chain(self.reading.groups.iter().flatten()) {
+            if let Some(used) = used.get_mut(one.material) {
+                *used = true;
+            }
+        }
+        // Parts of others are among them, such as the two of a blend.
+        let whole = |model: &Model| match model {
+            Model::Mix { share: _, parts: _ } => true,
+            Model::Diffuse { reflectance: _ }
+            | Model::Conductor { fresnel: _, tint: _, alpha: _ }
+            | Model::Dielectric { eta: _, alpha: _ }
+            | Model::Coated { base: _, inside: _, ior: _, alpha: _ }
+            | Model::Principled { base: _, metallic: _, alpha: _, specular: _, ceiling: _ } => false,
+        };
+        let mixed = self.reading.materials.iter().any(|surface| whole(&surface.model));
+        for (surface, _) in self.reading.materials.iter().zip(used).filter(|(_, used)| !used && !mixed) {
+            let known = self.asked.scene.materials.values().any(|Material { name: _, bsdf }| {
+                let capped = if self.reading.capped { capped(bsdf) } else { None };
+                let bsdf = capped.as_ref().unwrap_or(bsdf);
+                let excused = self.excused(bsdf, &surface.model);
+                look::difference(&Materials { bsdf, surface, one_sided: true, excused }).is_none()
+                    && self.image_differs(bsdf, &surface.model).is_none()
+            });
+            if !known {
+                self.found
+                    .differs(format!("material `{}`, which no surface has, is none of the scene's", surface.name));
+            }
         }
     }
 
@@ -203,10 +245,7 @@ impl<'w> Walk<'w, '_, '_> {
             for (shape, said) in one.parts.iter().zip(other.parts) {
                 let Shape { name: _, mesh, transform, material: _, emission } = shape;
                 let emit = emission.is_some() || said.emission.is_some();
-                if emit
-                    || !self.same_mesh(mesh.index(), said.mesh)
-                    || !self.same_map(mesh.index(), transform, &said.transform)
-                {
+                if emit || !self.same_part((*mesh, transform), (said.mesh, &said.transform)) {
                     return false;
                 }
             }
@@ -219,24 +258,36 @@ impl<'w> Walk<'w, '_, '_> {
         one.parts.iter().all(|shape| {
             let inner = &shape.transform;
             let corners = self.asked.measures[shape.mesh.index()].corners();
-            let slack = self.slack();
-            corners.iter().all(|corner| {
-                let point = inner.point(*corner);
-                near(one.map.point(point), other.map.point(point), slack)
-            })
+            corners.iter().all(|corner| same_place(&one.map, &other.map, inner.point(*corner), self.share()))
         })
     }
 
-    /// How far places may be apart: rotations and offsets in single precision are rounded.
-    fn slack(&self) -> f64 {
-        let single = 8.0 * f64::from(f32::EPSILON) * self.asked.reach;
-        if self.reading.gathered { single } else { self.asked.slack() }
+    /// What a map of the file may lose of what it makes.
+    fn share(&self) -> f64 {
+        if self.reading.gathered { PLACE } else { super::TEXT }
+    }
+
+    /// Whether a mesh of the scene lies where one of the reading does, with all its vertices.
+    fn same_part(&mut self, (mesh, wanted): (Handle<Mesh>, &Affine), (said, map): (usize, &Affine)) -> bool {
+        match self.reading.meshes.get(said).map(|source| &source.place) {
+            // The format may have moved its vertices.
+            Some(MeshPlace::Here(geometry)) => self.moved(mesh, wanted, geometry, map).is_none(),
+            Some(MeshPlace::File(_)) => self.same_mesh(mesh.index(), said) && self.same_map(mesh.index(), wanted, map),
+            None => false,
+        }
+    }
+
+    /// What differs between a mesh of the scene and one whose numbers the file holds.
+    fn moved(&self, mesh: Handle<Mesh>, wanted: &Affine, geometry: &Geometry, map: &Affine) -> Option<String> {
+        let asked = Placed { mesh: (&self.asked.scene.meshes[mesh]).into(), map: wanted };
+        let share = if self.reading.gathered { PLACE } else { 0.0 };
+        vertices::difference(asked, Placed { mesh: geometry.into(), map }, share)
     }
 
     fn same_map(&self, mesh: usize, a: &Affine, b: &Affine) -> bool {
         a == b || {
-            let slack = self.slack();
-            self.asked.measures[mesh].corners().iter().all(|corner| near(a.point(*corner), b.point(*corner), slack))
+            let corners = self.asked.measures[mesh].corners();
+            corners.iter().all(|corner| same_place(a, b, *corner, self.share()))
         }
     }
 
@@ -244,12 +295,9 @@ impl<'w> Walk<'w, '_, '_> {
         if let Some(known) = self.same_meshes.get(&(mesh, said)) {
             return *known;
         }
-        let asked = &self.asked.measures[mesh];
         // Both sides hold the same numbers in single precision.
-        let same = self.measures.get(said).and_then(Option::as_ref).is_some_and(|said| {
-            let pair = Pair { asked, said, slack: 0.0 };
-            difference(pair).or_else(|| finer_difference(pair)).is_none()
-        });
+        let print = &self.asked.measures[mesh].print;
+        let same = self.measures.get(said).and_then(Option::as_ref).is_some_and(|said| said.print == *print);
         self.same_meshes.insert((mesh, said), same);
         same
     }
@@ -260,37 +308,28 @@ impl<'w> Walk<'w, '_, '_> {
         let mesh = *mesh;
         let (wanted, map) = (transform.then(&block.map), said.transform.then(outer));
         let kind = if emission.is_some() { "emitter" } else { "shape" };
-        let same = self.same_mesh(mesh.index(), said.mesh) && self.same_map(mesh.index(), &wanted, &map);
+        let same = self.same_part((mesh, &wanted), (said.mesh, &map));
         let source = self.reading.meshes.get(said.mesh);
         let measure = self.measures.get(said.mesh).copied().flatten();
+        let scene_mesh = &self.asked.scene.meshes[mesh];
         let placed = measure.and_then(|measure| {
             measure.placed(&map).or_else(|| match &source?.place {
                 MeshPlace::Here(geometry) => Some(Measure::of(geometry.into(), &map)),
                 // The mesh is the scene's, or the difference is said anyhow.
-                MeshPlace::File(_) => same.then(|| Measure::of((&self.asked.scene.meshes[mesh]).into(), &map)),
+                MeshPlace::File(_) => same.then(|| Measure::of(scene_mesh.into(), &map)),
             })
         });
         if !same {
-            let scene_mesh = &self.asked.scene.meshes[mesh];
-            // Where a format holds the vertices itself it may have moved them, and boxes are compared where vertices are.
-            let (asked, said) = match source.map(|source| &source.place) {
-                Some(MeshPlace::Here(geometry)) => {
-                    (Measure::of(scene_mesh.into(), &wanted), Some(Measure::of(geometry.into(), &map)))
+            let what = match (source.map(|source| &source.place), measure) {
+                (Some(MeshPlace::Here(geometry)), _) => {
+                    let asked = Measure::of(scene_mesh.into(), &wanted);
+                    let said = Measure::of(geometry.into(), &map);
+                    let sums = sums_differ(&asked, &said, f64::from(f32::EPSILON));
+                    sums.or_else(|| self.moved(mesh, &wanted, geometry, &map))
                 }
-                Some(MeshPlace::File(_)) | None => {
-                    (super::placed(&self.asked.measures[mesh.index()], scene_mesh, &wanted), placed)
-                }
-            };
-            let what = match &said {
-                Some(said) => {
-                    // Moved vertices are rounded to single precision, at both ends of an edge.
-                    let most = asked.low.iter().chain(&asked.high).fold(0.0_f64, |most, x| most.max(x.abs()));
-                    let pair = Pair { asked: &asked, said, slack: 2.0 * f64::from(f32::EPSILON) * most };
-                    difference(pair).or_else(|| finer_difference(pair))
-                }
-                None if measure.is_some() => Some("another transform".to_owned()),
+                (Some(MeshPlace::File(_)), Some(measure)) => Some(self.file_differs(mesh, &wanted, &measure, placed)),
                 // What cannot be read was said.
-                None => None,
+                (Some(MeshPlace::File(_)) | None, _) => None,
             };
             if let Some(what) = what {
                 self.found.differs(format!("{kind} `{name}` has {what}"));
@@ -314,7 +353,7 @@ impl<'w> Walk<'w, '_, '_> {
                 self.emitter += 1;
                 self.found.differs(format!("emitter `{name}` emits no light"));
             }
-            (Some(Emission { radiance: _ }), Some(emitted)) => {
+            (Some(Emission { radiance }), Some(emitted)) => {
                 let Some((index, wanted)) = self.asked.emitters.get(self.emitter).copied() else { return };
                 self.emitter += 1;
                 let Some(placed) = placed else { return };
@@ -322,7 +361,26 @@ impl<'w> Walk<'w, '_, '_> {
                 let sides = if emitted.both_sides { 2.0 } else { 1.0 };
                 let sides = if emitted.reversed { -sides } else { sides };
                 let said = emits(&placed, emitted.radiance, by_normals, sides);
-                self.emitter(name, &wanted, &said, emitted.both_sides, !same || self.reading.gathered);
+                let leaning = !by_normals && {
+                    let measure = &self.asked.measures[mesh.index()];
+                    measure.normals && apart(measure.front, measure.winding) > super::TEXT * measure.area
+                };
+                if leaning && !self.audit.lost.contains(&LEANING) {
+                    self.audit.lost.push(LEANING);
+                }
+                if emitted.both_sides {
+                    self.found.differs(format!("emitter `{name}` emits on both sides"));
+                } else if emitted.reversed || (!same && apart(said.facing, wanted.facing) > 1e-3) {
+                    // Of what is closed and turned over both are 0, and of the same mesh they are the same.
+                    let (said, wanted) = (said.facing, wanted.facing);
+                    self.found.differs(format!("emitter `{name}` faces {said:?} instead of {wanted:?}"));
+                }
+                let radiance = radiance.rgb();
+                let far = |at: usize| off(radiance[at], emitted.radiance[at], super::TEXT * radiance[at].abs());
+                if (0..3).any(far) {
+                    let (said, wanted) = (said.power, wanted.power);
+                    self.found.differs(format!("emitter `{name}` emits {said:?} W instead of {wanted:?} W"));
+                }
                 self.audit.said.emitters += 1;
                 self.audit.said.emitting_area += said.area;
                 self.audit.said.power = [0, 1, 2].map(|channel| self.audit.said.power[channel] + said.power[channel]);
@@ -331,22 +389,13 @@ impl<'w> Walk<'w, '_, '_> {
         }
     }
 
-    fn emitter(&mut self, name: &str, wanted: &Emits, said: &Emits, both_sides: bool, moved: bool) {
-        let share = if moved { 1e-5 } else { super::TEXT };
-        let power = |a: Rgb, b: Rgb| {
-            let most = a.iter().chain(&b).fold(0.0_f64, |most, x| most.max(x.abs()));
-            (0..3).any(|channel| off(a[channel], b[channel], share * most))
-        };
-        if both_sides {
-            self.found.differs(format!("emitter `{name}` emits on both sides"));
-        } else if !near(wanted.facing, said.facing, share.max(1e-9)) {
-            let (said, wanted) = (said.facing, wanted.facing);
-            self.found.differs(format!("emitter `{name}` faces {said:?} instead of {wanted:?}"));
-        }
-        if power(wanted.power, said.power) {
-            let (said, wanted) = (said.power, wanted.power);
-            self.found.differs(format!("emitter `{name}` emits {said:?} W instead of {wanted:?} W"));
-        }
+    /// What differs between a mesh of the scene and one in a file, of which something does.
+    fn file_differs(&self, mesh: Handle<Mesh>, wanted: &Affine, measure: &Measure, placed: Option<Measure>) -> String {
+        let asked = &self.asked.measures[mesh.index()];
+        let there = super::placed(asked, &self.asked.scene.meshes[mesh], wanted);
+        let sums = placed.and_then(|said| sums_differ(&there, &said, super::TEXT));
+        let numbers = || asked.print.difference(&measure.print).map(str::to_owned);
+        sums.or_else(numbers).unwrap_or_else(|| "another transform".to_owned())
     }
 
     fn material(&mut self, shape: &Shape, said: &Use) {
@@ -428,6 +477,12 @@ impl<'w> Walk<'w, '_, '_> {
 const OVER_ONE: Lost =
     Lost { what: "a reflectance above 1", why: "its colors of surfaces are from 0 to 1: what is more becomes 1" };
 
+/// What of a curved emitter is lost whose normals lean over the backs of its faces, as uneven scales make them.
+const LEANING: Lost = Lost {
+    what: "emission along normals that lean over the backs of their faces",
+    why: "each of its faces emits on the side of its corners' order",
+};
+
 /// A material with its color held to 1; none where it needs no hold.
 fn capped(bsdf: &Bsdf) -> Option<Bsdf> {
     let held =
@@ -448,8 +503,14 @@ fn capped(bsdf: &Bsdf) -> Option<Bsdf> {
     })
 }
 
-fn near(a: [f64; 3], b: [f64; 3], by: f64) -> bool {
-    length(sub(a, b)) <= by
+/// What of two meshes that are known to differ can be said in sums, when corners are moved by `share` of their coordinates.
+fn sums_differ(asked: &Measure, said: &Measure, share: f64) -> Option<String> {
+    let most = asked.low.iter().chain(&asked.high).fold(0.0_f64, |most, x| most.max(x.abs()));
+    difference(Pair { asked, said, slack: share * most })
+}
+
+fn apart(a: Vec3, b: Vec3) -> f64 {
+    length(sub(a, b))
 }
 
 /// What differs between an image of the scene and that of a file: its name, and how it is decoded. That the images

@@ -10,8 +10,9 @@ use super::python::{Arguments, Broken, Call, Said, Scanner, Value};
 use crate::files::VPath;
 use crate::formats::shared::camera::fov_y;
 use crate::formats::shared::coat::normal_reflectance;
+use crate::formats::shared::number::count;
 use crate::formats::shared::reading::{
-    Emitted, Fresnel, Front, Item, Light, MeshPlace, MeshSource, Model, Paint, Reading, Surface, Use, View,
+    Clip, Emitted, Fresnel, Front, Item, Light, MeshPlace, MeshSource, Model, Paint, Reading, Surface, Use, View,
 };
 use crate::formats::shared::source::{self, REFERENCE, SYNTAX, Source, Text, UNKNOWN, shown};
 use crate::ir::{Film, Filter, normalized};
@@ -132,13 +133,15 @@ impl Reader {
                 let arguments = Arguments::new(call, &["max_depth"]);
                 // The functions cannot make paths of one segment: with no bounce there is direct light.
                 self.reading.max_depth = arguments.count("max_depth", to);
+                self.reading.most = Some(count(u32::MAX));
                 arguments
             }
             "sampler" => {
                 let arguments = Arguments::new(call, &["samples", "seed"]);
-                for name in ["samples", "seed"] {
-                    arguments.count(name, to);
-                }
+                let samples = arguments.count("samples", to);
+                self.reading.sampling.samples.extend(samples.map(i64::from));
+                let of: fn(u32) -> i64 = |seed| count(seed).into();
+                self.reading.sampling.seed = arguments.count("seed", to).map(|seed| (seed.into(), of));
                 arguments
             }
             "camera" => self.camera(call, to),
@@ -209,9 +212,8 @@ impl Reader {
         let arguments = Arguments::new(call, &["eye", "x", "y", "z", "fov_x", "near", "far"]);
         let [eye, x, y, z] = ["eye", "x", "y", "z"].map(|name| arguments.row(name, to));
         let fov = arguments.float("fov_x", to);
-        for name in ["near", "far"] {
-            arguments.float(name, to);
-        }
+        let [near, far] = ["near", "far"].map(|name| arguments.float(name, to));
+        self.reading.clip = Some(Clip { near, far, default: Some(names::DEFAULT_CLIPPING) });
         let axes = [x, y, z].map(|axis| axis.and_then(normalized));
         if let (Some(eye), [Some(right), Some(up), Some(back)], Some(fov_x)) = (eye, axes, fov) {
             let forward = back.map(|part| -part);

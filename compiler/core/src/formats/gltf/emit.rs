@@ -175,12 +175,9 @@ fn camera_node(camera: &Camera) -> doc::Node {
 }
 
 fn camera_item(scene: &Scene, camera: &Camera) -> doc::Camera {
-    let Camera { name, eye: _, target: _, up: _, fov_x, near, far } = camera;
+    let Camera { name, eye: _, target: _, up: _, fov_x, near: _, far } = camera;
     let Film { width, height, filter: _ } = &scene.film;
-    // glTF requires a near distance: a thousandth of the way to the farthest surface keeps a depth buffer precise.
-    let reach = camera::reach(scene, camera);
-    let open = if reach > 0.0 { reach * 1e-3 } else { 1e-2 };
-    let znear = near.unwrap_or_else(|| far.map_or(open, |far| open.min(far * 1e-3)));
+    let znear = camera::must_near(scene, camera);
     doc::Camera {
         name: name.clone(),
         r#type: "perspective",

@@ -11,7 +11,8 @@ use crate::diag::Origin;
 use crate::files::{Bytes, VPath};
 use crate::formats::shared::coat::normal_reflectance;
 use crate::formats::shared::reading::{
-    self, Emitted, Fresnel, Front, Light, MeshPlace, MeshSource, Model, Paint, Picture, Reading, Surface, Use, View,
+    self, Clip, Emitted, Fresnel, Front, Light, MeshPlace, MeshSource, Model, Paint, Picture, Reading, Surface, Use,
+    View,
 };
 use crate::formats::shared::source::{self, REFERENCE, SYNTAX, Source, UNKNOWN, shown};
 use crate::ir::{Affine, ImageFile, normalized};
@@ -164,6 +165,12 @@ impl<'v> Reader<'v, '_> {
         let own = ["asset", "extensionsUsed", "extensionsRequired", "extensions", "scene"];
         let known: Vec<&str> = own.iter().chain(KEYS.iter().map(|(kind, _)| kind)).copied().collect();
         self.only(whole, &known, source);
+        if let Some(asset) = whole.inner("asset") {
+            self.only(asset, &["version", "generator", "copyright", "extras"], source);
+            if asset.text("version") != Some("2.0") {
+                self.say(asset, SYNTAX, "a version other than 2.0 is not read", source);
+            }
+        }
         for (kind, keys) in KEYS {
             let items = self.document.list(kind)?;
             if items.is_empty() && whole.get(kind).is_some() {
@@ -185,7 +192,7 @@ impl<'v> Reader<'v, '_> {
             self.say(whole, REFERENCE, "there is no scene", source);
             return Ok(());
         };
-        self.settings(scene);
+        self.settings(scene, source);
         let nodes = std::mem::take(&mut self.nodes);
         nodes::walk(&nodes, &scene.counts("nodes"), (), |node, map, ()| {
             if source.is_full() {
@@ -197,13 +204,43 @@ impl<'v> Reader<'v, '_> {
     }
 
     /// Image, depth and samples, which glTF has no words for.
-    fn settings(&mut self, scene: Item<'v>) {
+    fn settings(&mut self, scene: Item<'v>, source: &mut Source<'_>) {
         let Some(extras) = scene.inner("extras") else { return };
         if let Some(film) = extras.inner("film") {
             let size = ["width", "height"].map(|name| film.count(name).and_then(|size| u32::try_from(size).ok()));
             if let [Some(width), Some(height)] = size {
                 self.reading.film = Some([width, height]);
             }
+        }
+        self.only(extras, &["film", "integrator", "sampler"], source);
+        let parts = [
+            ("film", &["width", "height", "filter"][..]),
+            ("integrator", &["type", "max_depth"]),
+            ("sampler", &["type", "samples", "seed"]),
+        ];
+        for (name, keys) in parts {
+            match extras.inner(name) {
+                Some(part) => self.only(part, keys, source),
+                None => self.say(scene, SYNTAX, format!("the settings have no `{name}`"), source),
+            }
+        }
+        if let Some(sampler) = extras.inner("sampler") {
+            let whole = |name: &str| sampler.count(name).and_then(|count| i64::try_from(count).ok());
+            self.reading.sampling.samples.extend(whole("samples"));
+            self.reading.sampling.seed = whole("seed").map(|seed| (seed, i64::from as _));
+            self.reading.sampling.sobol = match sampler.text("type") {
+                Some("sobol") => Some(true),
+                Some("independent") => Some(false),
+                Some(_) | None => {
+                    self.say(
+                        sampler,
+                        SYNTAX,
+                        "a sampler that is neither `independent` nor `sobol` is not read",
+                        source,
+                    );
+                    None
+                }
+            };
         }
         let depth = extras.inner("integrator").and_then(|integrator| integrator.count("max_depth"));
         self.reading.max_depth = depth.and_then(|depth| u32::try_from(depth).ok());
@@ -309,6 +346,19 @@ impl<'v> Reader<'v, '_> {
             self.say(mesh, SYNTAX, "a mesh without positions or indices is not read", source);
             return Ok(None);
         };
+        let views = self.document.list("bufferViews")?;
+        let mut view = |accessor: usize, target: u32| {
+            let view = self.buffers.accessors().get(accessor)?.count("bufferView")?;
+            let said = views.get(view)?.get("target")?;
+            if said.as_u64() != Some(target.into()) {
+                self.say(mesh, SYNTAX, format!("a part of the buffer is for {said} and not for {target}"), source);
+            }
+            Some(())
+        };
+        for at in [Some(position), normal, uv].into_iter().flatten() {
+            view(at, names::ARRAY_BUFFER);
+        }
+        view(indices, names::ELEMENT_ARRAY_BUFFER);
         let geometry = self.numbers((position, normal, uv, indices))?;
         let found = match geometry.check() {
             Err(problem) => {
@@ -356,6 +406,7 @@ impl<'v> Reader<'v, '_> {
             return;
         };
         self.only(lens, &["aspectRatio", "yfov", "znear", "zfar"], source);
+        self.reading.clip = Some(Clip { near: lens.number("znear"), far: lens.number("zfar"), default: None });
         let (Some(yfov), Some(ratio)) = (lens.number("yfov"), lens.number("aspectRatio")) else {
             self.say(camera, SYNTAX, "a camera without angle and ratio is not read", source);
             return;

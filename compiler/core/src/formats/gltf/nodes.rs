@@ -6,7 +6,7 @@ use super::buffer::{Layout, Place};
 use super::document as doc;
 use super::{names, surface};
 use crate::formats::shared::camera;
-use crate::ir::{Affine, Emission as Light, Group, Handle, LightKind, LightSource, Mesh, Scene, Shape, sub};
+use crate::ir::{Affine, Emission as Light, Group, Handle, LightKind, LightSource, Mesh, Scene, Shape, Vec3, sub};
 
 /// A material, what it emits, and for dielectrics how thick the mesh is; floats by their bits, for the order.
 type Surface = (usize, Option<[u64; 3]>, u64);
@@ -44,9 +44,11 @@ impl<'a> Made<'a> {
             place(&mut node, transform);
         } else {
             self.moved += 1;
-            let material = self.material(scene, shape, transform);
-            let primitive = self.primitive(scene, *handle, transform, material);
+            let (inner, outer) = about(transform, middle([(mesh, Affine::IDENTITY)]));
+            let material = self.material(scene, shape, &inner);
+            let primitive = self.primitive(scene, *handle, &inner, material);
             node.mesh = Some(self.mesh(&mesh.name, vec![primitive]));
+            place(&mut node, &outer);
         }
         node
     }
@@ -65,7 +67,11 @@ impl<'a> Made<'a> {
             place(&mut node, transform);
         } else {
             self.moved += 1;
-            node.mesh = Some(self.group(scene, group, transform));
+            let Group { name: _, shapes, instances: _ } = &scene.groups[group];
+            let parts = shapes.values().map(|shape| (&scene.meshes[shape.mesh], shape.transform));
+            let (inner, outer) = about(transform, middle(parts));
+            node.mesh = Some(self.group(scene, group, &inner));
+            place(&mut node, &outer);
         }
         node
     }
@@ -115,6 +121,31 @@ impl<'a> Made<'a> {
         self.known_materials.insert(surface, index);
         index
     }
+}
+
+/// The middle of what meshes fill at their places.
+fn middle<'m>(parts: impl IntoIterator<Item = (&'m Mesh, Affine)>) -> Vec3 {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for (mesh, map) in parts {
+        for position in mesh.positions.iter() {
+            let point = map.point(position.map(f64::from));
+            for axis in 0..3 {
+                low[axis] = low[axis].min(point[axis]);
+                high[axis] = high[axis].max(point[axis]);
+            }
+        }
+    }
+    let middle = [0, 1, 2].map(|axis| (low[axis] + high[axis]) / 2.0);
+    if middle.iter().all(|x| x.is_finite()) { middle } else { [0.0; 3] }
+}
+
+/// A map as one that moves vertices and one that places them: vertices round to single precision, so that they are moved about
+/// `middle`, where they are as exact as the mesh is small, and the node takes them to their place in double precision.
+fn about(map: &Affine, middle: Vec3) -> (Affine, Affine) {
+    let there = map.point(middle);
+    let linear = Affine { rows: map.rows.map(|[x, y, z, _]| [x, y, z, 0.0]) };
+    let inner = Affine::translation(middle.map(|x| -x)).then(&linear);
+    (inner, Affine::translation(there))
 }
 
 /// Gives a node its place.

@@ -6,20 +6,18 @@ use super::names;
 use super::properties::{Property, Said, Things, lines, string};
 use super::scatter;
 use crate::files::VPath;
+use crate::formats::shared::number::count;
 use crate::formats::shared::reading::{
-    Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Reading, Surface, Use, View, turned,
+    Clip, Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Reading, Surface, Use, View, turned,
 };
 use crate::formats::shared::source::{self, REFERENCE, SYNTAX, Source, Text, UNKNOWN, number, shown};
 use crate::ir::{Affine, Filter, Vec3, cross, normalized, sub};
 
 /// Settings that say how long and where to, and not what.
 const PASSED: &[&str] = &[
-    "sampler.type",
     "sampler.random.adaptive.strength",
     "sampler.sobol.adaptive.strength",
     "path.russianroulette.depth",
-    "renderengine.seed",
-    "batch.haltspp",
     "film.outputs.0.type",
     "film.outputs.0.filename",
     "scene.epsilon.min",
@@ -31,7 +29,7 @@ const DEPTHS: &[&str] =
 
 /// Reads the scene whose configuration is `main`.
 pub fn import(main: &VPath, source: &mut Source<'_>) -> Reading {
-    let mut reading = Reading::default();
+    let mut reading = Reading { most: Some(count(u32::MAX)), ..Reading::default() };
     let Some(scene) = settings(main, source, &mut reading) else { return reading };
     let Some(bytes) = source.bytes(&scene, || source::whole(main)) else { return reading };
     let Some(text) = source::text(source, &scene, &bytes) else { return reading };
@@ -109,6 +107,22 @@ fn settings(main: &VPath, source: &mut Source<'_>, reading: &mut Reading) -> Opt
             size[0] = count(source);
         } else if key == "film.height" {
             size[1] = count(source);
+        } else if key == "batch.haltspp" {
+            reading.sampling.samples.extend(count(source).map(i64::from));
+        } else if key == "renderengine.seed" {
+            let of: fn(u32) -> i64 = |seed| names::seed(seed).into();
+            reading.sampling.seed = count(source).map(|seed| (seed.into(), of));
+        } else if key == "sampler.type" {
+            reading.sampling.sobol = match string(value) {
+                Some("SOBOL") => Some(true),
+                Some("RANDOM") => Some(false),
+                _ => {
+                    source.say(SYNTAX, text.origin(at), format!("`{key}` with the value {} is not read", shown(value)));
+                    None
+                }
+            };
+        } else if key.ends_with(".adaptive.strength") && number(value) != Some(0.0) {
+            source.say(SYNTAX, text.origin(at), format!("`{key}` other than 0 is not read"));
         } else if let Some(place) = DEPTHS.iter().position(|known| *known == key) {
             depths[place] = count(source);
         } else if let Some(place) = names::FIXED.iter().position(|(known, _)| *known == key) {
@@ -135,6 +149,9 @@ fn settings(main: &VPath, source: &mut Source<'_>, reading: &mut Reading) -> Opt
     // The limits per kind of scattering have defaults of their own.
     if depths.iter().all(Option::is_some) {
         reading.max_depth = depths.into_iter().flatten().min();
+        if depths.iter().any(|depth| *depth != depths[0]) {
+            source.say(SYNTAX, source::whole(main), "different depths for kinds of scattering are not read");
+        }
     }
     if scene.is_none() {
         source.say(SYNTAX, source::whole(main), "`scene.file` is missing");
@@ -237,9 +254,9 @@ fn camera(cameras: &Things<'_>, to: &mut Said<'_, '_, '_>, reading: &mut Reading
     thing.expect("type", "\"perspective\"", to);
     let [orig, target, up] = ["lookat.orig", "lookat.target", "up"].map(|name| thing.row::<3>(name, to));
     let (fov, window) = (thing.float("fieldofview", to), thing.row::<4>("screenwindow", to));
-    for name in ["cliphither", "clipyon"] {
-        thing.float(name, to);
-    }
+    let [near, far] = ["cliphither", "clipyon"].map(|name| thing.float(name, to));
+    reading.clip = Some(Clip { near, far, default: Some(names::DEFAULT_CLIPPING) });
+    reading.description = Some(to.text.path.clone());
     thing.finish(to);
     let axes = |eye: Vec3, target: Vec3, up: Vec3| {
         let forward = normalized(sub(target, eye))?;

@@ -4,13 +4,14 @@
 
 use std::collections::BTreeMap;
 
-use super::names::{ENVIRONMENT, Version};
+use super::names::{DEFAULT_CLIPPING, ENVIRONMENT, Version};
 use super::scatter::{self, Known};
 use super::xml::{self, Defaults, Element, Plugin, Said};
 use crate::diag::Origin;
 use crate::files::VPath;
+use crate::formats::shared::number::count;
 use crate::formats::shared::reading::{
-    Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Reading, Surface, Use, View, inverse, turned,
+    Clip, Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Reading, Surface, Use, View, inverse, turned,
 };
 use crate::formats::shared::source::{self, INCLUDE_DEPTH, LIMIT, REFERENCE, SYNTAX, Source, Text, shown};
 use crate::ir::{Affine, Filter, normalized};
@@ -43,7 +44,7 @@ impl Reader {
     fn new(version: Version) -> Self {
         Self {
             version,
-            reading: Reading::default(),
+            reading: Reading { most: Some(count(u32::MAX)), ..Reading::default() },
             defaults: Defaults::new(),
             textures: BTreeMap::new(),
             ids: BTreeMap::new(),
@@ -147,9 +148,11 @@ impl Reader {
         // -1 is no limit, and the default.
         let depth = plugin.integer(names.max_depth, to).unwrap_or(-1);
         self.reading.max_depth = if depth == -1 { Some(u32::MAX) } else { u32::try_from(depth).ok() };
-        for name in [names.rr_depth, "directSamples", "photonCount", "maxPasses"] {
+        for name in [names.rr_depth, "directSamples", "photonCount"] {
             plugin.integer(name, to);
         }
+        let passes = plugin.integer("maxPasses", to);
+        self.reading.sampling.samples.extend(passes);
         for name in ["initialRadius", "alpha"] {
             plugin.float(name, to);
         }
@@ -166,16 +169,18 @@ impl Reader {
         }
         let fov = plugin.float("fov", to);
         let axis = plugin.string(names.fov_axis, to).unwrap_or("x");
-        for name in [names.near_clip, names.far_clip] {
-            plugin.float(name, to);
-        }
+        let [near, far] = [names.near_clip, names.far_clip].map(|name| plugin.float(name, to));
+        self.reading.clip = Some(Clip { near, far, default: Some(DEFAULT_CLIPPING) });
+        self.reading.settings = Some(to.text.path.clone());
         for sampler in plugin.inner("sampler") {
             if !["independent", "sobol"].contains(&sampler.kind()) {
                 to.unknown(sampler.at(), "sampler", sampler.kind(), &["independent", "sobol"]);
             }
-            for name in [names.sample_count, "seed", "scramble"] {
-                sampler.integer(name, to);
-            }
+            let samples = sampler.integer(names.sample_count, to);
+            self.reading.sampling.samples.extend(samples);
+            let seeds = ["seed", "scramble"].map(|name| sampler.integer(name, to));
+            self.reading.sampling.seed = seeds.into_iter().flatten().next().map(|seed| (seed, i64::from as _));
+            self.reading.sampling.sobol = Some(sampler.kind() == "sobol");
             sampler.finish(to);
         }
         let mut film = [768, 576];
@@ -245,6 +250,7 @@ impl Reader {
     }
 
     fn shape(&mut self, plugin: Plugin<'_>, to: &mut Said<'_, '_, '_>) {
+        self.reading.description.get_or_insert_with(|| to.text.path.clone());
         let names = self.version.names();
         let name = plugin.element.get("id").unwrap_or_default().to_owned();
         match plugin.kind() {

@@ -12,6 +12,13 @@ use crate::formats::shared::reading::Rgb;
 use crate::formats::shared::source::{LIMIT, SYNTAX, Source, Text, UNKNOWN, number, numbers, shown};
 use crate::ir::{Affine, Vec3, cross, normalized, sub};
 
+/// How XML may begin: in these words, whatever their case.
+const DECLARATIONS: &[&str] = &[
+    "<?xml version=\"1.0\" encoding=\"utf-8\"?>",
+    "<?xml version=\"1.0\"?>",
+    "<?xml version='1.0' encoding='utf-8'?>",
+];
+
 /// How deep elements may be nested: a scene needs about six.
 const DEPTH: usize = 64;
 
@@ -75,7 +82,14 @@ pub fn parse(text: Text<'_>, source: &mut Source<'_>) -> Option<Element> {
                 }
                 None
             }
-            Event::Comment(_) | Event::Decl(_) => None,
+            Event::Comment(_) => None,
+            Event::Decl(_) => {
+                let line = text.text.lines().next().unwrap_or_default();
+                if !DECLARATIONS.iter().any(|known| line.trim_end().eq_ignore_ascii_case(known)) {
+                    to.say(SYNTAX, at, "a text other than XML 1.0 in UTF-8 is not read");
+                }
+                None
+            }
             Event::CData(_) | Event::PI(_) | Event::DocType(_) | Event::GeneralRef(_) => {
                 to.say(SYNTAX, at, "this is not read");
                 None

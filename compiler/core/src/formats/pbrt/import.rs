@@ -10,6 +10,7 @@ use super::scatter::Known;
 use super::text::{Broken, Params, Said, Token, Tokens, unescaped};
 use crate::diag::Origin;
 use crate::files::VPath;
+use crate::formats::shared::number::count;
 use crate::formats::shared::reading::{
     Emitted, Front, Item, Light, MeshPlace, MeshSource, Model, Paint, Reading, Surface, Use, View, turned,
 };
@@ -98,7 +99,7 @@ impl Reader {
         let state = State { map: Affine::IDENTITY, material: None, emission: None, reversed: false };
         Self {
             version,
-            reading: Reading::default(),
+            reading: Reading { most: Some(count(u32::MAX)), ..Reading::default() },
             state,
             stack: Vec::new(),
             models: BTreeMap::new(),
@@ -325,6 +326,7 @@ impl Reader {
                 if name != "perspective" {
                     to.unknown(params.at, "camera", name, &["perspective"]);
                 }
+                self.reading.settings = Some(to.text.path.clone());
                 self.camera = Some((self.state.map, params.float("fov", to).unwrap_or(90.0)));
             }
             "Film" => {
@@ -365,7 +367,12 @@ impl Reader {
                 };
             }
             "Sampler" => {
-                params.integer("pixelsamples", to);
+                let samples = params.integer("pixelsamples", to);
+                self.reading.sampling.samples.extend(samples.map(i64::from));
+                self.reading.sampling.sobol = Some(name == "sobol");
+                if ![self.version.names().sampler, "sobol"].contains(&name) {
+                    to.unknown(params.at, "sampler", name, &[self.version.names().sampler, "sobol"]);
+                }
             }
             "Integrator" => self.integrator(name, params, to),
             "MakeNamedMaterial" => {
@@ -404,7 +411,8 @@ impl Reader {
             params.string(name, to);
         }
         for name in ["iterations", "mutationsperpixel"] {
-            params.integer(name, to);
+            let samples = params.integer(name, to);
+            self.reading.sampling.samples.extend(samples.map(i64::from));
         }
         if params.bool("regularize", to) == Some(true) {
             to.say(SYNTAX, params.place("regularize"), "`regularize` widens materials, which is not read");
@@ -513,6 +521,7 @@ impl Reader {
         });
         self.state.material = Some(material);
         // Normals of a mirrored shape are turned over along with it.
+        self.reading.description.get_or_insert_with(|| to.text.path.clone());
         let reversed = self.state.reversed;
         let emission = self.state.emission.map(|emission| Emitted { reversed, ..emission });
         let one = Use { name: String::new(), mesh, material, transform: self.state.map, emission };

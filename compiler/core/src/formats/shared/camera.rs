@@ -102,6 +102,13 @@ pub fn clipping(scene: &Scene, camera: &Camera, default: (f64, f64)) -> (Option<
     (near, far)
 }
 
+/// The near distance for a format that requires one: a thousandth of the way to the farthest surface keeps a depth buffer precise.
+pub fn must_near(scene: &Scene, camera: &Camera) -> f64 {
+    let reach = reach(scene, camera);
+    let open = if reach > 0.0 { reach * 1e-3 } else { 1e-2 };
+    camera.near.unwrap_or_else(|| camera.far.map_or(open, |far| open.min(far * 1e-3)))
+}
+
 /// Whether a map is a rotation after scales along the axes: the columns of its linear part are orthogonal, to 1e-6 of
 /// their lengths.
 pub fn has_orthogonal_columns(map: &Affine) -> bool {

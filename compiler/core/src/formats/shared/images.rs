@@ -73,7 +73,11 @@ impl Form {
         }
     }
 
-    fn write(self, texture: &Texture) -> io::Result<Vec<u8>> {
+    /// The bytes of the file.
+    ///
+    /// # Errors
+    /// The image cannot be decoded.
+    pub fn write(self, texture: &Texture) -> io::Result<Vec<u8>> {
         let bytes = match self {
             Self::Shared | Self::None => texture.file.to_vec(),
             Self::Decoded => write::exr(&image::linear(texture)?, write::Depth::Half)?,
@@ -122,7 +126,7 @@ pub fn on_surfaces(scene: &Scene) -> Vec<bool> {
 }
 
 /// Every use of an image.
-fn uses(scene: &Scene) -> impl Iterator<Item = (Handle<Texture>, Use)> {
+pub fn uses(scene: &Scene) -> impl Iterator<Item = (Handle<Texture>, Use)> {
     let surfaces = on_surfaces(scene);
     let surfaces = scene.textures.iter().map(|(handle, _)| handle).filter(move |handle| surfaces[handle.index()]);
     surfaces.map(|handle| (handle, Use::Surface)).chain(sky(scene))

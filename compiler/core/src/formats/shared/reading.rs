@@ -20,6 +20,16 @@ pub struct Reading {
     pub filter: Option<Filter>,
     /// Segments of a path, the camera's and the light's included.
     pub max_depth: Option<u32>,
+    /// The largest count that the format can say, of segments and of samples; none where it can say all.
+    pub most: Option<u32>,
+    /// Samples and seed.
+    pub sampling: Sampling,
+    /// Clipping distances; none of a format that has none.
+    pub clip: Option<Clip>,
+    /// The file in which camera and film stand; none for the main file.
+    pub settings: Option<VPath>,
+    /// The file in which the surfaces stand; none for the main file.
+    pub description: Option<VPath>,
     /// The camera.
     pub view: Option<View>,
     /// Materials, in the order of the file. Which surface has which says [`Use`].
@@ -39,6 +49,28 @@ pub struct Reading {
     pub lights: Vec<Light>,
     /// What was not understood, with its place.
     pub findings: Vec<Finding>,
+}
+
+/// How a format's files sample.
+#[derive(Clone, Debug, Default)]
+pub struct Sampling {
+    /// Samples of a pixel, wherever they are said; none where it is not.
+    pub samples: Vec<i64>,
+    /// The seed with what the format makes of the Scene's; none where it has none.
+    pub seed: Option<(i64, fn(u32) -> i64)>,
+    /// Whether points are those of a Sobol sequence; none where there is no choice.
+    pub sobol: Option<bool>,
+}
+
+/// Clipping distances.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Clip {
+    /// Of the front.
+    pub near: Option<f64>,
+    /// Of the back.
+    pub far: Option<f64>,
+    /// What the program takes where they are left out; none where the front must be said, and what is left out of the back is infinity.
+    pub default: Option<(f64, f64)>,
 }
 
 /// A pinhole camera as the image shows it.
@@ -63,7 +95,13 @@ pub struct View {
 impl View {
     /// The camera that the rows of a map from scene to camera coordinates say: x to the right, y up, z along the axis.
     pub fn of_rows(map: &Affine, fov_x: f64, fov_y: f64) -> Option<Self> {
-        let [right, up, forward] = map.rows.map(|row| crate::ir::normalized([row[0], row[1], row[2]]));
+        let rows = map.rows.map(|row| [row[0], row[1], row[2]]);
+        // A map that stretches one axis would show another image.
+        let sizes = rows.map(crate::ir::length);
+        if sizes.iter().any(|size| (size - sizes[2]).abs() > 1e-9 * sizes[2]) {
+            return None;
+        }
+        let [right, up, forward] = rows.map(crate::ir::normalized);
         let eye = inverse(map)?.point([0.0; 3]);
         Some(Self { eye, right: right?, up: up?, forward: forward?, fov_x, fov_y, shift: [0.0; 2] })
     }
