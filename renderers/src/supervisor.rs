@@ -19,6 +19,11 @@ pub fn is(executable: PathBuf) {
     let _first = EXECUTABLE.set(executable);
 }
 
+/// Whether programs are supervised.
+pub(crate) fn is_used() -> bool {
+    cfg!(unix) && EXECUTABLE.get().is_some()
+}
+
 /// The command under a supervisor, which also removes the temporary folders of ltsc where ltsc itself can no longer do so.
 pub(crate) fn over(command: Command) -> Command {
     let Some(executable) = EXECUTABLE.get().filter(|_| cfg!(unix)) else { return command };

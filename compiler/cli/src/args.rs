@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, or the answer is yes; 1 the answer is no (findings at deny, stale files, a difference beyond the
 tolerance); 2 wrong usage; 3 input unreadable or malformed; 4 a renderer or the environment missing or failed; 70 a fault
-of ltsc itself.";
+of ltsc itself; 130, 143, 129 in shells: ended by SIGINT, SIGTERM, SIGHUP.";
 
 /// Compiler and translator for light-transport test scenes.
 ///

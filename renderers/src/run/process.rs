@@ -236,7 +236,11 @@ impl Tree {
         };
         let (child, held) = guard::hold(make, |child| {
             let id = child.id();
-            move || end(id)
+            // Where descendants are not found from here, the supervisor ends them, once this process and its input have ended.
+            move || match supervisor::is_used() && !cfg!(target_os = "linux") {
+                true => {}
+                false => end(id),
+            }
         })?;
         Ok(Self { child, ended: false, _held: held })
     }
@@ -262,8 +266,20 @@ impl Tree {
         Ok(self.child.try_wait()?.is_some())
     }
 
+    /// Ends the supervisor's input, and gives it time to end what descends from it.
+    #[cfg(all(unix, not(target_os = "linux")))]
+    fn let_supervisor_end(&mut self) {
+        drop(self.child.stdin.take());
+        let start = std::time::Instant::now();
+        while supervisor::is_used() && start.elapsed() < LINGER && !self.has_exited().unwrap_or(true) {
+            thread::sleep(POLL);
+        }
+    }
+
     /// Kills what is left of the program and what it started, and waits for the program.
     fn finish(&mut self) -> io::Result<ExitStatus> {
+        #[cfg(all(unix, not(target_os = "linux")))]
+        self.let_supervisor_end();
         end(self.child.id());
         #[cfg(not(unix))]
         let _gone = self.child.kill();

@@ -45,8 +45,9 @@ impl Log {
 pub fn check(path: &Path, force: bool) -> Result<(), Failure> {
     match fs::symlink_metadata(path) {
         Ok(meta) if meta.is_dir() => Err(Failure::new(Exit::Usage, format!("{} is a folder", path.display()))),
-        Ok(meta) if !force && !(meta.is_file() && is_whole(path)) => Err(not_ours(&[path.to_path_buf()])),
-        _ => Ok(()),
+        Ok(meta) if force || meta.is_file() && is_whole(path) => Ok(()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        _ => Err(not_ours(&[path.to_path_buf()])),
     }
 }
 
@@ -58,6 +59,9 @@ impl Drop for Log {
 
 /// Adds the last line.
 fn end(path: &Path) {
+    if is_whole(path) {
+        return;
+    }
     let Ok(bytes) = regular::read(path, LARGEST) else { return };
     let Ok(mut file) = fs::File::options().append(true).open(path) else { return };
     let start = if bytes.last().is_none_or(|last| *last == b'\n') { "" } else { "\n" };

@@ -12,7 +12,7 @@ use ltsc_render::regular;
 use serde::{Deserialize, Serialize};
 
 use super::sink::refuse_links;
-use super::staging::{Staging, remove_empty};
+use super::staging::{STAGING, Staging, left_over, remove_empty};
 use super::unwritable;
 use crate::output::{Exit, Failure};
 use crate::terminal;
@@ -220,7 +220,11 @@ impl Pages {
             }
         }
         let full = |paths: &[String]| paths.iter().map(|path| self.folder.join(path)).collect::<Vec<_>>();
-        let done = Done { written: full(&changed), removed: full(&gone) };
+        let mut done = Done { written: full(&changed), removed: full(&gone) };
+        // What a killed run has left goes also where there is nothing else to do.
+        if left_over(&self.folder) {
+            done.removed.push(self.folder.join(STAGING));
+        }
         if check || done.count() == 0 && next.files == self.record.files {
             return Ok(done);
         }

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use ltsc_core::files::{Bytes, Files, ReadError, Sink, VPath};
 
-use ltsc_render::regular;
+use ltsc_render::{guard, regular};
 
 use super::manifest::{MANIFEST, Manifest};
 use super::read::{beside, bytes_of};
@@ -214,6 +214,7 @@ impl DiskSink {
 
     /// Gives the new folder all that stays: our files that are the same, and everything of someone else's.
     fn carry(&self, stage: &Path) -> io::Result<()> {
+        guard::stop_if_ending();
         let removed: BTreeSet<&Path> = self.changes.removed.iter().map(Path::new).collect();
         for path in files_below(&self.folder)? {
             let new = path.to_str().is_some_and(|path| self.staged.contains(path)) || path == Path::new(MANIFEST);
@@ -258,6 +259,7 @@ impl Sink for DiskSink {
         if matches!(self.place, Place::Nowhere) {
             return Ok(());
         }
+        guard::stop_if_ending();
         let new = self.stage()?.join(path);
         fs::create_dir_all(new.parent().unwrap_or(&self.folder))?;
         let mut out = BufWriter::with_capacity(1 << 18, File::create(&new)?);

@@ -7,8 +7,8 @@
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -61,15 +61,15 @@ impl Staging {
             .map(PathBuf::from)
             .collect();
         made.reverse();
-        fs::create_dir_all(around)?;
-        let lock = locked(around)?;
-        let (place, folders) = (around.to_path_buf(), made.clone());
-        let undo = move || {
-            // Nothing is moved from here on, so that nothing is half moved.
-            std::mem::forget(moving());
-            clean(&place, &folders);
+        let mine = Arc::new(AtomicBool::new(false));
+        let undo = {
+            let (place, made, mine) = (around.to_path_buf(), made.clone(), Arc::clone(&mine));
+            move || put_back(&place, &made, &mine)
         };
         let ((), held) = guard::hold(|| Ok(()), |()| undo)?;
+        fs::create_dir_all(around)?;
+        let lock = locked(around)?;
+        mine.store(true, Ordering::SeqCst);
         let staging = Self { around: around.to_path_buf(), _lock: lock, next: AtomicU64::new(0), made, _held: held };
         staging.recover()?;
         Ok(staging)
@@ -81,6 +81,7 @@ impl Staging {
 
     /// A new empty folder here.
     pub(super) fn stage(&self) -> io::Result<PathBuf> {
+        guard::stop_if_ending();
         let stage = self.folder().join(self.next.fetch_add(1, Ordering::Relaxed).to_string());
         fs::create_dir(&stage)?;
         Ok(stage)
@@ -191,6 +192,23 @@ fn clean(around: &Path, made: &[PathBuf]) {
     }
 }
 
+/// What [`Staging`] does when it is dropped, where a signal ends the process first.
+fn put_back(around: &Path, made: &[PathBuf], mine: &AtomicBool) {
+    // Nothing is moved from here on, so that nothing is half moved.
+    std::mem::forget(moving());
+    if !mine.load(Ordering::SeqCst) && !left_over(around) {
+        return;
+    }
+    // Other threads may be about to write a last file.
+    for _ in 0..20 {
+        clean(around, made);
+        thread::sleep(Duration::from_millis(10));
+        if !around.join(STAGING).exists() {
+            return;
+        }
+    }
+}
+
 /// Held while names change, so that a signal does not come in between.
 fn moving() -> MutexGuard<'static, ()> {
     static MOVING: Mutex<()> = Mutex::new(());
@@ -223,6 +241,7 @@ fn locked(around: &Path) -> io::Result<Option<File>> {
     let folder = around.join(STAGING);
     let (start, mut said) = (Instant::now(), false);
     for _ in 0..TRIES {
+        guard::stop_if_ending();
         match fs::create_dir(&folder) {
             Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
             _ => {}

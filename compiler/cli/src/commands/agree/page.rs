@@ -189,6 +189,7 @@ fn load(record: &Path) -> Result<Vec<Row>, Failure> {
 
 /// Puts rows into a record, in the place of older ones of the same comparison, and writes its page anew.
 pub fn record(record: &Path, new: &[Row], force: bool) -> Result<(), Failure> {
+    let ours = is_as_recorded(record);
     let mut rows = load(record)?;
     rows.retain(|row| new.iter().all(|other| other.key() != row.key()));
     rows.extend_from_slice(new);
@@ -197,7 +198,11 @@ pub fn record(record: &Path, new: &[Row], force: bool) -> Result<(), Failure> {
     let mut pages = Pages::new(folder, BY);
     let [data, text] = names;
     pages.put_merged(data, format!("{:#}\n", json!({ "rows": rows })));
-    pages.put(text, page(&rows));
+    if ours {
+        pages.put_merged(text, page(&rows))
+    } else {
+        pages.put(text, page(&rows))
+    }
     // There may be other records in the folder.
     pages.keep(|_| true);
     pages.finish(false, force).map(|_| ())
@@ -221,7 +226,12 @@ fn place_of(record: &Path) -> Result<(&Path, [String; 2]), Failure> {
 pub fn check(record: &Path, force: bool) -> Result<(), Failure> {
     let (folder, [_, page]) = place_of(record)?;
     load(record)?;
-    Pages::new(folder, BY).refuse(&page, force)
+    if is_as_recorded(record) { Ok(()) } else { Pages::new(folder, BY).refuse(&page, force) }
+}
+
+/// Whether the page holds nothing but what the record says.
+fn is_as_recorded(record: &Path) -> bool {
+    record.is_file() && is_fresh(record).unwrap_or(false)
 }
 
 /// Whether the page is the one that the record makes.

@@ -21,6 +21,7 @@ use std::time::Duration;
 
 use ltsc_core::diag::nearest;
 use ltsc_core::formats::Target;
+use ltsc_render::regular;
 use ltsc_render::run::{Driver, RenderError};
 
 use crate::args::{Conventions, Format};
@@ -182,8 +183,12 @@ fn stored(pages: &Path, command: &Conventions) -> Result<Exit, Failure> {
     for results in &mut kept {
         let driver = find_driver(&results.renderer)?;
         let target = project::target(driver.target)?;
+        let before = results::text(results);
         results.rows = again(&results.rows, &asked, (driver, target));
-        written.put_merged(results::name(&results.renderer, &results.version), results::text(results));
+        let (name, after) = (results::name(&results.renderer, &results.version), results::text(results));
+        // Numbers that are judged as before stay as they are written.
+        let there = (before == after).then(|| regular::read_text(&pages.join(&name), regular::TEXT).ok()).flatten();
+        written.put_merged(name, there.unwrap_or(after));
     }
     written.put(PAGE, page::page(&kept, &asked)?);
     written.put(coverage::FILE, coverage::text(&kept, &asked));
