@@ -6,7 +6,7 @@ use std::path::Path;
 use super::outputs::project;
 use super::{files_below, ltsc, root, run};
 
-const MINIMAL: &str = "lts 1\n/// A.\n///\n/// B.\nscene NAME { paths: [\"LDE\"] }\n\
+pub const MINIMAL: &str = "lts 1\n/// A.\n///\n/// B.\nscene NAME { paths: [\"LDE\"] }\n\
     camera = perspective(eye: (0, -10, 2), target: (0, 0, 4), fov_x: 45deg)\nfilm = image(16, 8)\n\
     integrator = path(max_depth: 3)\nsampler = independent(samples: 4)\n\
     emitter lamp = rectangle(x: -1..1, y: -1..1, z: 5, normal: -Z) with radiance(10)\n";
@@ -726,7 +726,7 @@ fn the_manual_is_printed_written_and_checked() {
     assert_eq!(written(&["--check"]).code, Some(1));
     assert!(!out.exists());
     assert_eq!(written(&[]).code, Some(0));
-    assert_eq!(files_below(&out), ["findings.md", "reference.md", "targets.md"]);
+    assert_eq!(files_below(&out), [".ltsc-pages.json", "findings.md", "reference.md", "targets.md"]);
     assert_eq!(manual(&["targets"]).out, fs::read_to_string(out.join("targets.md")).expect("a page"));
     assert_eq!(written(&["--check"]).code, Some(0));
     fs::write(out.join("targets.md"), "mine").expect("a write");
@@ -747,15 +747,21 @@ fn the_catalogue_is_written_checked_and_cleared() {
     assert_eq!(doc(&["--check"]).code, Some(1));
     assert!(!out.exists());
     assert_eq!(doc(&[]).code, Some(0));
-    assert_eq!(files_below(&out), ["README.md", "one.md", "pictures/one.svg"]);
+    assert_eq!(files_below(&out), [".ltsc-pages.json", "README.md", "one.md", "pictures/one.svg"]);
     assert_eq!(doc(&["--check"]).code, Some(0));
-    // A page of a scene that is gone goes, and a file of someone else stays.
-    fs::copy(out.join("one.md"), out.join("gone.md")).expect("a copy");
+    // A page of a scene that is gone goes, and files of someone else stay, also one that looks like ours.
+    fs::write(scenes.join("gone.lts"), fs::read_to_string(&path).expect("a scene").replace("scene one", "scene gone"))
+        .expect("a write");
+    assert_eq!(doc(&[]).code, Some(0));
+    assert!(out.join("gone.md").exists());
+    fs::remove_file(scenes.join("gone.lts")).expect("removed");
+    fs::copy(out.join("one.md"), out.join("copy.md")).expect("a copy");
     fs::write(out.join("notes.md"), "mine").expect("a write");
     let stale = doc(&["--check"]);
     assert!(stale.code == Some(1) && stale.out.contains("left over") && stale.out.contains("gone.md"), "{}", stale.out);
     assert_eq!(doc(&[]).code, Some(0));
-    assert!(!out.join("gone.md").exists() && out.join("notes.md").exists());
+    assert!(!out.join("gone.md").exists() && out.join("notes.md").exists() && out.join("copy.md").exists());
+    assert!(!out.join("pictures/gone.svg").exists());
 
     assert_eq!(doc(&["--format", "html"]).code, Some(0));
     let html = fs::read_to_string(out.join("one.html")).expect("a page");

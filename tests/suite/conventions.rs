@@ -14,7 +14,7 @@ use super::{bless, ltsc, root, run, skip};
 fn the_page_is_what_the_stored_numbers_say() {
     let mut command: Command = ltsc();
     command.args(["conventions", "-o", "docs", "--stored"]);
-    let ran = run(if bless() { &mut command } else { command.arg("--check") });
+    let ran = run(command.arg(if bless() { "--force" } else { "--check" }));
     assert_eq!(ran.code, Some(0), "run `cargo run -- conventions -o docs --stored`\n{}{}", ran.out, ran.err);
 }
 

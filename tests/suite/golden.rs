@@ -57,7 +57,10 @@ fn manifests_name_every_generated_file() {
 
 #[test]
 fn the_manual_is_what_ltsc_says() {
-    let ran =
-        run(ltsc().args(if bless() { &["manual", "-o", "docs"][..] } else { &["manual", "-o", "docs", "--check"] }));
+    let ran = run(ltsc().args(if bless() {
+        &["manual", "-o", "docs", "--force"][..]
+    } else {
+        &["manual", "-o", "docs", "--check"]
+    }));
     assert_eq!(ran.code, Some(0), "run `cargo run -- manual -o docs`\n{}{}", ran.out, ran.err);
 }

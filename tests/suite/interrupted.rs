@@ -129,32 +129,48 @@ fn a_killed_build_leaves_the_old_or_the_new_and_the_next_one_goes_on() {
     assert!(cut_short > rounds / 4, "{cut_short} of {rounds} were still running");
 }
 
-/// Kills builds at the system calls that change names: all of them, one after the other; with `LTSC_THOROUGH` only.
+/// The system calls that change names.
+const CALLS: [&str; 4] =
+    ["rename,renameat,renameat2", "unlink,unlinkat,rmdir", "mkdir,mkdirat", "link,linkat,symlink,symlinkat"];
+
+/// Runs a command that is killed at its `when`th system call of these, all of which are made by one thread. Whether it was.
+fn killed(inner: &Command, calls: &str, when: usize) -> bool {
+    let mut command = Command::new("strace");
+    command.args(["-f", "-o", "/dev/null", "-e", &format!("inject={calls}:signal=KILL:when={when}")]);
+    command.arg(inner.get_program()).args(inner.get_args()).env("RAYON_NUM_THREADS", "1");
+    command.current_dir(inner.get_current_dir().expect("a folder")).stdout(Stdio::null()).stderr(Stdio::null());
+    !command.status().expect("run").success()
+}
+
+fn traces() -> bool {
+    Command::new("strace").arg("-V").output().is_ok_and(|out| out.status.success())
+}
+
+/// Kills builds for two targets at the system calls that change names: all of them, one after the other; with `LTSC_THOROUGH` only.
 #[test]
 fn a_build_that_is_killed_at_a_rename_leaves_the_old_or_the_new() {
     // Hundreds of builds under a tracer.
     if std::env::var_os("LTSC_THOROUGH").is_none() {
         return;
     }
-    if !Command::new("strace").arg("-V").output().is_ok_and(|out| out.status.success()) {
+    if !traces() {
         return skip("kills at each rename", "`strace`");
     }
     let (old, new) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
-    project(old.path(), true);
-    project(new.path(), false);
-    assert!(build(old.path()).status().expect("run").success());
-    assert!(build(new.path()).status().expect("run").success());
+    for (folder, stale) in [(&old, true), (&new, false)] {
+        project(folder.path(), stale);
+        let text = "scenes = \"scenes-src\"\ntargets = [\"pbrt-v4\", \"luxcore\"]\n";
+        fs::write(folder.path().join("ltsc.toml"), text).expect("written");
+        assert!(build(folder.path()).status().expect("run").success());
+    }
     let wanted = contents(new.path());
-    for calls in ["rename,renameat,renameat2", "unlink,unlinkat,rmdir", "mkdir,mkdirat", "link,linkat"] {
+    for calls in CALLS {
+        let mut kills = 0;
         for state in [State::Fresh, State::Stale, State::Damaged] {
             for when in 1.. {
                 prepare(state, new.path(), old.path());
                 let before = contents(new.path());
-                let inner = build(new.path());
-                let mut command = Command::new("strace");
-                command.args(["-f", "-o", "/dev/null", "-e", &format!("inject={calls}:signal=KILL:when={when}")]);
-                command.arg(inner.get_program()).args(inner.get_args()).current_dir(new.path());
-                let ended = command.stdout(Stdio::null()).stderr(Stdio::null()).status().expect("run");
+                let was_killed = killed(&build(new.path()), calls, when);
                 let after = contents(new.path());
                 for scene in SCENES {
                     assert!(
@@ -165,11 +181,84 @@ fn a_build_that_is_killed_at_a_rename_leaves_the_old_or_the_new() {
                 let ran = run(ltsc().current_dir(new.path()).args(["build", "--allow", "all"]));
                 assert_eq!(ran.code, Some(0), "{calls} {when}, {state:?}: {}", ran.err);
                 assert!(contents(new.path()) == wanted && others(new.path()).is_empty(), "{calls} {when}, {state:?}");
-                if ended.success() {
+                if !was_killed {
                     break;
                 }
+                kills += 1;
             }
         }
+        println!("{kills} kills at {calls}");
+    }
+}
+
+/// Pages among files of a person: each is the old one or the new one, and the next run knows all of them for its own. Kills at random
+/// moments; with `LTSC_THOROUGH` at each system call that changes names.
+#[test]
+fn pages_that_are_killed_halfway_are_written_by_the_next_run() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let pages = folder.path().join("docs/scenes");
+    let doc = || {
+        let mut command = ltsc();
+        command.current_dir(folder.path()).arg("doc").stdout(Stdio::null()).stderr(Stdio::null());
+        command
+    };
+    let read = || -> Contents {
+        let names = if pages.is_dir() { files_below(&pages) } else { Vec::new() };
+        let names = names.into_iter().filter(|name| !name.starts_with('.'));
+        names.map(|name| (name.clone(), fs::read(pages.join(&name)).expect("a page"))).collect()
+    };
+    let begin = |stale: bool| {
+        project(folder.path(), stale);
+        let _gone = fs::remove_dir_all(folder.path().join("docs"));
+    };
+    begin(false);
+    let start = Instant::now();
+    assert!(doc().status().expect("run").success());
+    let whole = start.elapsed();
+    let new = read();
+    begin(true);
+    assert!(doc().status().expect("run").success());
+    let old = read();
+    assert_ne!(old, new, "the scenes differ");
+    let judge = |what: &str| {
+        for (name, bytes) in read() {
+            assert!(old.get(&name) == Some(&bytes) || new.get(&name) == Some(&bytes), "{what}: {name} is half a page");
+        }
+        let ran = run(ltsc().current_dir(folder.path()).arg("doc"));
+        assert_eq!(ran.code, Some(0), "{what}: {}", ran.err);
+        assert!(read() == new && !pages.join(".ltsc").exists(), "{what}");
+    };
+    let stale = || {
+        begin(true);
+        assert!(doc().status().expect("run").success());
+        project(folder.path(), false);
+    };
+    for round in 1..8_u32 {
+        stale();
+        let mut child = doc().spawn().expect("started");
+        std::thread::sleep(whole * round / 8);
+        let _ended = child.kill();
+        let _status = child.wait();
+        judge(&format!("round {round}"));
+    }
+    if std::env::var_os("LTSC_THOROUGH").is_none() {
+        return;
+    }
+    if !traces() {
+        return skip("kills at each rename", "`strace`");
+    }
+    for calls in CALLS {
+        let mut kills = 0;
+        for when in 1.. {
+            stale();
+            let was_killed = killed(&doc(), calls, when);
+            judge(&format!("{calls} {when}"));
+            if !was_killed {
+                break;
+            }
+            kills += 1;
+        }
+        println!("{kills} kills of pages at {calls}");
     }
 }
 

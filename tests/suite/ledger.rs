@@ -40,7 +40,11 @@ fn scene(folder: &Path, name: &str, metal: &str) -> PathBuf {
 
 fn rendered(scene: &Path, renderer: &str) -> Image {
     let out = scene.with_extension(format!("{renderer}.exr"));
-    let ran = run(ltsc().arg("render").arg(scene).args(["--renderer", renderer, "--allow", "all", "-o"]).arg(&out));
+    let ran = run(ltsc()
+        .arg("render")
+        .arg(scene)
+        .args(["--renderer", renderer, "--allow", "all", "--force", "-o"])
+        .arg(&out));
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     read(&out).expect("an image").0
 }

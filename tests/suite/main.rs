@@ -7,6 +7,7 @@ mod cases;
 mod cli;
 mod conventions;
 mod edits;
+mod files;
 mod fixes;
 mod format;
 mod gallery;
@@ -28,6 +29,7 @@ mod random;
 mod render;
 mod scale;
 mod seeds;
+mod signals;
 mod similar;
 mod thesis;
 mod tidy;
@@ -54,7 +56,7 @@ fn root() -> &'static Path {
 fn ltsc() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_ltsc"));
     command.env("NO_COLOR", "1").env("COLUMNS", "100").env("LC_ALL", "C.UTF-8");
-    for name in ["LTSC_FORMAT", "LTSC_ROOT", "LTSC_ALLOW", "LTSC_WARN", "LTSC_DENY"] {
+    for name in ["LTSC_FORMAT", "LTSC_ROOT", "LTSC_ALLOW", "LTSC_WARN", "LTSC_DENY", "LTSC_TRUST"] {
         command.env_remove(name);
     }
     command.current_dir(root());

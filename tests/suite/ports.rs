@@ -15,7 +15,7 @@ fn there(name: &str) -> bool {
 }
 
 fn rendered(scene: &Path, out: &Path, more: &[&str]) -> Image {
-    let ran = run(ltsc().arg("render").arg(scene).args(more).args(["--timeout", "1200", "-o"]).arg(out));
+    let ran = run(ltsc().arg("render").arg(scene).args(more).args(["--timeout", "1200", "--force", "-o"]).arg(out));
     assert_eq!(ran.code, Some(0), "{} {more:?}: {}", scene.display(), ran.err);
     read(out).expect("an image").0
 }

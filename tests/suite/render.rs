@@ -43,7 +43,7 @@ fn render_at(
     let ran = run(ltsc()
         .arg("render")
         .arg(root().join(format!("scenes-src/{scene}.lts")))
-        .args(["--renderer", renderer, "--width", &side, "--height", &side, "--timeout", "1200"])
+        .args(["--renderer", renderer, "--width", &side, "--height", &side, "--timeout", "1200", "--force"])
         .args(["--samples", &samples.to_string(), "--seed", &seed.to_string(), "-o"])
         .arg(&out));
     assert_eq!(ran.code, Some(0), "{}", ran.err);
@@ -414,6 +414,7 @@ fn rendered(scene: &Path, renderer: &str, threads: &str) -> Image {
         threads,
         "--timeout",
         "120",
+        "--force",
     ]));
     assert_eq!(ran.code, Some(0), "{renderer} {}: {}", scene.display(), ran.err);
     read(&out).expect("an image").0

@@ -225,6 +225,27 @@ fn nothing_speaks_of_one_machine() {
     }
 }
 
+/// Files are read in one place, which refuses pipes and devices, and commands write through `disk` alone, which knows what is ours.
+#[test]
+fn files_are_read_in_one_place_and_written_in_another() {
+    let reads = ["fs::read(", "fs::read_to_string(", "File::open("];
+    let writes = ["fs::write(", "File::create", "fs::rename(", "fs::copy(", "tempfile::", "replace_file("];
+    // What the system says of processes is no file.
+    let apart = ["renderers/src/regular.rs", "renderers/src/tree.rs", "compiler/cli/src/signals.rs"];
+    let own =
+        |path: &&(String, String)| path.0.starts_with("compiler/cli/src/") || path.0.starts_with("renderers/src/");
+    let all = all_sources();
+    for (path, text) in all.iter().filter(own).filter(|(path, _)| !path.ends_with("tests.rs")) {
+        let code = text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+        let code = code.split("#[cfg(all(test, unix))]\nmod tests").next().unwrap_or_default();
+        let read = reads.iter().find(|word| code.contains(**word) && !apart.contains(&path.as_str()));
+        assert!(read.is_none(), "{path} has {read:?}: read by `ltsc_render::regular`");
+        let writes = writes.iter().filter(|_| path.starts_with("compiler/cli/src/") && !path.contains("/disk/"));
+        let written = writes.into_iter().find(|word| code.contains(**word));
+        assert!(written.is_none(), "{path} has {written:?}: write by `disk`");
+    }
+}
+
 #[test]
 fn architecture_is_true() {
     let text = fs::read_to_string(root().join("ARCHITECTURE.md")).expect("ARCHITECTURE.md");

@@ -7,7 +7,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 const EXIT_CODES: &str = "\
 Exit codes: 0 done, or the answer is yes; 1 the answer is no (findings at deny, stale files, a difference beyond the
 tolerance); 2 wrong usage; 3 input unreadable or malformed; 4 a renderer or the environment missing or failed; 70 a fault
-of ltsc itself.";
+of ltsc itself; 130, 143, 129 in shells: ended by SIGINT, SIGTERM, SIGHUP.";
 
 /// Compiler and translator for light-transport test scenes.
 ///
@@ -242,7 +242,7 @@ pub struct Build {
     /// Write below this folder [default: that of ltsc.toml, else `generated` beside the scenes].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write into a folder that is not empty and was not written by ltsc.
+    /// Write also over files that ltsc did not write, or that were changed since.
     #[arg(long)]
     pub force: bool,
     /// Write nothing; print a table of the time that each scene takes and the bytes that it becomes, in Markdown.
@@ -310,7 +310,7 @@ pub struct Emit {
     /// The folder to write [default: `./<scene>-<target>`].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write into a folder that is not empty and was not written by ltsc.
+    /// Write also over files that ltsc did not write, or that were changed since.
     #[arg(long)]
     pub force: bool,
     #[command(flatten)]
@@ -349,7 +349,7 @@ pub struct Render {
     /// The image to write.
     #[arg(short, long, value_name = "FILE.exr")]
     pub output: PathBuf,
-    /// Write over an image that is there.
+    /// Write over an image or a log that is there.
     #[arg(long)]
     pub force: bool,
     /// The renderer's executable, or a Python that has its module: a path, or a name on the path.
@@ -379,7 +379,7 @@ pub struct Diff {
     /// Write the signed difference (green: B brighter, red: B dimmer) as difference.png, and diff.json, into this folder.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write into a folder that is not empty and was not written by ltsc.
+    /// Write also over files that ltsc did not write, or that were changed since.
     #[arg(long)]
     pub force: bool,
     /// Tiles along each side.
@@ -448,6 +448,9 @@ pub struct Agree {
     /// Render nothing; exit with 1 where the page of the record is not what it would become.
     #[arg(long, requires = "record")]
     pub check: bool,
+    /// Write also over files that ltsc did not write, or that were changed since.
+    #[arg(long)]
+    pub force: bool,
     /// Stop a renderer after this many seconds for one image.
     #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
     pub timeout: u64,
@@ -495,6 +498,8 @@ pub enum RenderersAction {
         #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
         format: Format,
     },
+    /// Allow that the programs are run which the project's `ltsc.toml` names; nothing is run now. Without this they never are.
+    Trust,
     /// Install a pinned version into a private folder of the user's cache; nothing else of the system is touched.
     #[command(
         after_help = "Example:\n  ltsc renderers install mitsuba-3 luxcore\n\nmitsuba-3, luxcore and cycles are packages of Python, pbrt-r4 and pbrt-r3 are built by cargo (about ten minutes each). The folder is $LTSC_CACHE, else the cache folder of the user; an interrupted installation is continued."
@@ -534,6 +539,9 @@ pub struct Conventions {
     /// Write nothing; exit with 1 and name the files that are not what they would become.
     #[arg(long, requires = "stored")]
     pub check: bool,
+    /// Write also over files that ltsc did not write, or that were changed since.
+    #[arg(long)]
+    pub force: bool,
     /// The renderer's executable, or a Python that has its module.
     #[arg(long, value_name = "FILE")]
     pub executable: Option<PathBuf>,
@@ -568,6 +576,9 @@ pub struct Manual {
     /// Write nothing; exit with 1 and name the files where the folder is not what it would become.
     #[arg(long, requires = "output")]
     pub check: bool,
+    /// Write also over files that ltsc did not write, or that were changed since.
+    #[arg(long)]
+    pub force: bool,
 }
 
 /// How the pages of scenes are written.
@@ -592,6 +603,9 @@ pub struct Doc {
     /// Write nothing; exit with 1 and name the files where the folder is not what it would become.
     #[arg(long, conflicts_with = "render")]
     pub check: bool,
+    /// Write also over files that ltsc did not write, or that were changed since.
+    #[arg(long)]
+    pub force: bool,
     /// Render the scenes with Mitsuba 3 and LuxCore, as far as they are there, and compare.
     #[arg(long)]
     pub render: bool,

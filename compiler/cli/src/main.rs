@@ -6,16 +6,23 @@ mod commands;
 mod disk;
 mod output;
 mod project;
+mod signals;
 mod terminal;
+mod trust;
 
 use std::process::ExitCode;
 
 use clap::Parser;
+use ltsc_render::{guard, supervisor};
 
 /// Bytes of stack of each thread. The deepest recursion is that of nested expressions; this is far more than it needs.
 const STACK: usize = 64 << 20;
 
 fn main() -> ExitCode {
+    let mut words = std::env::args_os().skip(1);
+    if words.next().is_some_and(|word| word == supervisor::MARK) {
+        return ExitCode::from(u8::try_from(supervisor::run(words)).unwrap_or(1));
+    }
     let arguments = match args::Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {
@@ -24,14 +31,21 @@ fn main() -> ExitCode {
             return if asked { output::Exit::Done.into() } else { output::Exit::Usage.into() };
         }
     };
+    signals::end_cleanly();
+    if let Ok(executable) = std::env::current_exe() {
+        supervisor::is(executable);
+    }
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map_or(String::new(), |at| format!(" ({}:{})", at.file(), at.line()));
         terminal::error(&format!("a fault of ltsc itself{place}: {}", terminal::panic_text(panic.payload())));
         terminal::error("please report it with the command and the scene");
     }));
-    // What works on several files has the stack of what works on one; without threads of its own it works on one at a time.
-    let _pool = rayon::ThreadPoolBuilder::new().stack_size(STACK).build_global();
-    let worker = std::thread::Builder::new().stack_size(STACK).spawn(move || commands::run(arguments));
+    let worker = std::thread::Builder::new().stack_size(STACK).spawn(move || {
+        // What works on several files has the stack of what works on one, and is this thread where one is all there may be.
+        let _pool = rayon::ThreadPoolBuilder::new().stack_size(STACK).use_current_thread().build_global();
+        commands::run(arguments)
+    });
     let exit = worker.map_err(|_| ()).and_then(|worker| worker.join().map_err(|_| ()));
+    guard::stop_if_ending();
     exit.unwrap_or(output::Exit::Fault).into()
 }

@@ -7,11 +7,13 @@ use std::path::{Path, PathBuf};
 use ltsc_core::eval::{Limit, Limits};
 use ltsc_core::formats::{self, ChoiceError, Choices, TARGETS, Target};
 use ltsc_core::lint::{Level, LevelError, Levels};
+use ltsc_render::regular;
 use serde::Deserialize;
 use toml::Spanned;
 
 use crate::args;
 use crate::output::{Exit, Failure};
+use crate::trust;
 
 /// The name of the project file.
 pub const FILE: &str = "ltsc.toml";
@@ -65,8 +67,13 @@ pub struct Project {
     pub levels: Levels,
     /// How large scenes may become.
     pub limits: Limits,
-    /// Executables of renderers, by name.
-    pub executables: BTreeMap<String, PathBuf>,
+    /// Programs of renderers, by the renderer's name. They are run only where the user has allowed it: [`Project::program`].
+    pub programs: BTreeMap<String, PathBuf>,
+}
+
+/// Whether a folder has something called `ltsc.toml`; what is no regular file is refused when it is read.
+fn has_file(folder: &Path) -> bool {
+    fs::symlink_metadata(folder.join(FILE)).is_ok_and(|meta| !meta.is_dir())
 }
 
 /// The root of the project in which a file lies by its own name, wherever a link leads: the nearest folder upward with an `ltsc.toml`, else
@@ -74,7 +81,7 @@ pub struct Project {
 pub fn around(file: &Path) -> PathBuf {
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let folder = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf());
-    folder.ancestors().find(|folder| folder.join(FILE).is_file()).unwrap_or(&folder).to_path_buf()
+    folder.ancestors().find(|folder| has_file(folder)).unwrap_or(&folder).to_path_buf()
 }
 
 impl Project {
@@ -83,12 +90,13 @@ impl Project {
     pub fn of(path: &Path) -> Result<Self, Failure> {
         let real = fs::canonicalize(path)
             .map_err(|error| Failure::new(Exit::Input, format!("{} cannot be read: {error}", path.display())))?;
-        if let Some(folder) = real.ancestors().find(|folder| folder.join(FILE).is_file()) {
+        if let Some(folder) = real.ancestors().find(|folder| has_file(folder)) {
             return Self::load(folder);
         }
         let folder = if real.is_dir() { real.as_path() } else { real.parent().unwrap_or(Path::new("/")) };
         let root = if real.is_dir() { folder } else { folder.parent().unwrap_or(folder) };
-        let beside = folder.parent().unwrap_or(folder).join("generated");
+        // A folder of scenes is left to them; beside one scene there is room.
+        let beside = if real.is_dir() { folder.parent().unwrap_or(folder) } else { folder }.join("generated");
         Ok(Self {
             root: root.to_path_buf(),
             declared: false,
@@ -98,7 +106,7 @@ impl Project {
             choices: Choices::default(),
             levels: Levels::default(),
             limits: Limits::default(),
-            executables: BTreeMap::new(),
+            programs: BTreeMap::new(),
         })
     }
 
@@ -106,7 +114,7 @@ impl Project {
     pub fn here() -> Result<Self, Failure> {
         let current = std::env::current_dir()
             .map_err(|error| Failure::new(Exit::Environment, format!("the current folder is not there: {error}")))?;
-        match current.ancestors().find(|folder| folder.join(FILE).is_file()) {
+        match current.ancestors().find(|folder| has_file(folder)) {
             Some(folder) => Self::load(folder),
             None => Err(Failure::new(Exit::Usage, format!("there is no `{FILE}` in this folder or above it"))
                 .help("name a scene or a folder of scenes, or write an `ltsc.toml` (it may be empty)")),
@@ -116,7 +124,7 @@ impl Project {
     fn load(folder: &Path) -> Result<Self, Failure> {
         let file = folder.join(FILE);
         let bad = |message: String| Failure::new(Exit::Input, format!("{}: {message}", file.display()));
-        let text = fs::read_to_string(&file).map_err(|error| bad(error.to_string()))?;
+        let text = regular::read_text(&file, regular::TEXT).map_err(|error| bad(error.to_string()))?;
         let here = |problem: Failure| Failure { help: problem.help, ..bad(problem.message) };
         let Text { scenes, generated, targets, options, rules, limits: given, renderers } =
             toml::from_str(&text).map_err(|error| bad(error.to_string().trim_end().to_owned()))?;
@@ -165,14 +173,14 @@ impl Project {
             };
             set_limit(&mut limits, &name, &amount).map_err(here)?;
         }
-        let mut executables = BTreeMap::new();
+        let mut programs = BTreeMap::new();
         for (name, RendererText { executable }) in renderers {
             let driver =
                 ltsc_render::run::driver(&name).ok_or_else(|| bad(format!("there is no renderer `{name}`")))?;
             if let Some(executable) = executable {
                 // A bare name is looked up on PATH by the system; a path is seen from the project's folder.
                 let plain = executable.components().count() == 1;
-                executables.insert(driver.name.to_owned(), if plain { executable } else { folder.join(executable) });
+                programs.insert(driver.name.to_owned(), if plain { executable } else { folder.join(executable) });
             }
         }
         Ok(Self {
@@ -184,8 +192,22 @@ impl Project {
             choices,
             levels,
             limits,
-            executables,
+            programs,
         })
+    }
+
+    /// The program that the project names for a renderer, if the user allows that it is run.
+    pub fn program(&self, renderer: &str) -> Result<Option<&Path>, Failure> {
+        let Some(program) = self.programs.get(renderer) else { return Ok(None) };
+        if trust::is_trusted(&self.root, program) {
+            return Ok(Some(program));
+        }
+        let file = self.root.join(FILE);
+        let message = format!("{} names {} for {renderer}, and it was not run", file.display(), program.display());
+        Err(Failure::new(Exit::Environment, message).help(format!(
+            "if you trust this project, run `ltsc renderers trust` in it, or set LTSC_TRUST={}",
+            self.root.display()
+        )))
     }
 
     /// The choices with those of the command line, each of which must be one of a target that is written.

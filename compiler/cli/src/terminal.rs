@@ -98,6 +98,7 @@ pub fn help(message: &str) {
 
 /// Says something to standard error.
 pub fn say(message: &str) {
+    ltsc_render::guard::stop_if_ending();
     let _written = writeln!(std::io::stderr(), "{message}");
 }
 

@@ -16,7 +16,7 @@ use crate::image::Image;
 
 pub use metrics::{METRICS, Metric};
 pub use pair::{Pair, Value};
-pub use picture::{difference_rgb8, relative_rgb8, shown_rgb8, write_difference_png, write_png};
+pub use picture::{difference_png, difference_rgb8, png, relative_rgb8, shown_rgb8};
 pub use shift::Shift;
 pub use text::to_text;
 pub use tiles::{Tile, Tiles, WorstTile};

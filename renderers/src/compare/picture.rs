@@ -1,12 +1,10 @@
 //! The signed difference as a picture: green where B is brighter, red where it is dimmer.
 
-use std::io::Write;
 use std::path::Path;
 
 use image::ImageEncoder;
 
 use super::{CompareError, Pair};
-use crate::cache::replace_file;
 use crate::image::{Image, ImageError, finite};
 
 /// What pixels that are not finite look like, a colour that no difference has.
@@ -54,21 +52,21 @@ fn signed(a: &Image, b: &Image, exposure: f64, of: fn(f64, f64) -> f64) -> Resul
     Ok(a.pixels.iter().zip(&b.pixels).flat_map(colour).collect())
 }
 
-/// Writes [`difference_rgb8`] as a PNG file, which appears only when it is whole.
+/// [`difference_rgb8`] as a PNG file; `path` is for the error.
 ///
 /// # Errors
-/// Gives an error if the sizes differ or the folder cannot be written to.
-pub fn write_difference_png(path: &Path, a: &Image, b: &Image, exposure: f64) -> Result<(), ImageError> {
+/// Gives an error if the sizes differ.
+pub fn difference_png(path: &Path, a: &Image, b: &Image, exposure: f64) -> Result<Vec<u8>, ImageError> {
     let unwritable = |message: String| ImageError::Unwritable { path: path.to_owned(), message };
     let pixels = difference_rgb8(a, b, exposure).map_err(|error| unwritable(error.to_string()))?;
-    write_png(path, a.width, a.height, &pixels)
+    png(path, a.width, a.height, &pixels)
 }
 
-/// Writes 8-bit sRGB values, row by row, as a PNG file, which appears only when it is whole.
+/// 8-bit sRGB values, row by row, as a PNG file; `path` is for the error.
 ///
 /// # Errors
-/// Gives an error if the values are not `3 * width * height`, or the folder cannot be written to.
-pub fn write_png(path: &Path, width: usize, height: usize, pixels: &[u8]) -> Result<(), ImageError> {
+/// Gives an error if the values are not `3 * width * height`.
+pub fn png(path: &Path, width: usize, height: usize, pixels: &[u8]) -> Result<Vec<u8>, ImageError> {
     let unwritable = |message: String| ImageError::Unwritable { path: path.to_owned(), message };
     if pixels.len() != 3 * width * height {
         return Err(unwritable(format!("{} values for {width} x {height} pixels", pixels.len())));
@@ -78,7 +76,7 @@ pub fn write_png(path: &Path, width: usize, height: usize, pixels: &[u8]) -> Res
     image::codecs::png::PngEncoder::new(&mut png)
         .write_image(pixels, side(width)?, side(height)?, image::ExtendedColorType::Rgb8)
         .map_err(|error| unwritable(error.to_string()))?;
-    replace_file(path, |file| file.write_all(&png)).map_err(|source| ImageError::Io { path: path.to_owned(), source })
+    Ok(png)
 }
 
 /// The transfer function of sRGB (IEC 61966-2-1), clamped and rounded to 8 bits.
@@ -122,11 +120,9 @@ mod tests {
 
     #[test]
     fn the_file_is_a_png_of_the_same_size() {
-        let folder = tempfile::tempdir().expect("temporary folder");
-        let path = folder.path().join("difference.png");
         let a = Image::filled(5, 3, [1.0; 3]);
-        write_difference_png(&path, &a, &Image::filled(5, 3, [2.0; 3]), 0.0).expect("write");
-        let png = image::load_from_memory(&std::fs::read(&path).expect("read")).expect("decode");
+        let bytes = difference_png(Path::new("a.png"), &a, &Image::filled(5, 3, [2.0; 3]), 0.0).expect("a file");
+        let png = image::load_from_memory(&bytes).expect("decode");
         assert_eq!((png.width(), png.height()), (5, 3));
         assert_eq!(png.to_rgb8().get_pixel(4, 2).0, [0, 255, 0]);
     }

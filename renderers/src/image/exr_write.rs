@@ -21,9 +21,16 @@ const ZIP_ROWS: usize = 16;
 /// # Errors
 /// Gives an error if the image is empty or too large, or the folder cannot be written to.
 pub fn write_exr(path: &Path, image: &Image, provenance: &Provenance) -> Result<(), ImageError> {
-    let bytes =
-        encode(image, provenance).map_err(|message| ImageError::Unwritable { path: path.to_owned(), message })?;
+    let bytes = exr_bytes(path, image, provenance)?;
     replace_file(path, |file| file.write_all(&bytes)).map_err(|source| ImageError::Io { path: path.to_owned(), source })
+}
+
+/// The bytes of the file that [`write_exr`] writes; `path` is for the error.
+///
+/// # Errors
+/// If the image cannot be stored.
+pub fn exr_bytes(path: &Path, image: &Image, provenance: &Provenance) -> Result<Vec<u8>, ImageError> {
+    encode(image, provenance).map_err(|message| ImageError::Unwritable { path: path.to_owned(), message })
 }
 
 fn encode(image: &Image, provenance: &Provenance) -> Result<Vec<u8>, String> {

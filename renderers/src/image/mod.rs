@@ -7,13 +7,17 @@ mod exr_write;
 mod pfm;
 mod provenance;
 
-use std::fs;
 use std::path::Path;
 
+use crate::regular;
+
 pub use error::ImageError;
-pub use exr_write::write_exr;
+pub use exr_write::{exr_bytes, write_exr};
 pub use pfm::write_pfm;
 pub use provenance::Provenance;
+
+/// The largest file that is read: four channels of 32 bits in as many pixels as two images are filled up to.
+const MOST_BYTES: u64 = 16 << 28;
 
 /// The largest width and height that is read. Larger claims are taken for damage.
 pub const MAX_SIDE: usize = 65_536;
@@ -74,12 +78,10 @@ pub fn read(path: &Path) -> Result<(Image, Attributes), ImageError> {
 /// As of [`read`].
 pub fn read_placed(path: &Path) -> Result<(Image, Window, Attributes), ImageError> {
     let fault = |source| ImageError::Io { path: path.to_owned(), source };
-    let metadata = fs::metadata(path).map_err(fault)?;
-    // A device or a pipe has no end that could be trusted.
-    if !metadata.is_file() {
-        return Err(ImageError::NotAFile { path: path.to_owned() });
-    }
-    let bytes = fs::read(path).map_err(fault)?;
+    let bytes = regular::read(path, MOST_BYTES).map_err(|error| match error.kind() {
+        std::io::ErrorKind::InvalidInput => ImageError::NotAFile { path: path.to_owned() },
+        _ => fault(error),
+    })?;
     decode(&bytes).map_err(|fault| fault.at(path))
 }
 
@@ -262,7 +264,7 @@ mod tests {
         let folder = tempfile::tempdir().expect("temporary folder");
         let path = folder.path().join("image");
         for bytes in [&b""[..], b"\x89PNG\r\n\x1a\n", b"P", b"\x76\x2f\x31"] {
-            fs::write(&path, bytes).expect("write");
+            std::fs::write(&path, bytes).expect("write");
             let error = read(&path).expect_err("not an image");
             assert!(!error.hint().is_empty());
         }

@@ -9,8 +9,7 @@ use crate::run::process::{End, Lines};
 use crate::run::script::ask;
 use crate::run::{Crate, Driver};
 
-/// Builds the crate with the dependencies that its author has locked. Should ltsc end first, cargo goes on alone, and
-/// another one waits for it: cargo locks the folders that it writes.
+/// Builds the crate with the dependencies that its author has locked.
 pub(super) fn make(
     site: &Site<'_>,
     source: &Crate,
@@ -64,7 +63,7 @@ fn examine(path: &Path, oldest: u32) -> Result<String, String> {
     let mut command = Command::new(path);
     command.arg("--version");
     let mut version = None;
-    let (end, tail) = ask(command, Lines::All, &mut |line| {
+    let (end, tail) = ask(command, None, Lines::All, &mut |line| {
         // "cargo 1.95.0 (f2d3ce0bd 2026-03-21)"
         if let Some(rest) = line.strip_prefix("cargo ") {
             version = version.take().or_else(|| rest.split_whitespace().next().map(str::to_owned));

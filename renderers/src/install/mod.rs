@@ -22,6 +22,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::cache::{CachePaths, replace_file};
 use crate::env::{Env, executable};
+use crate::regular;
 use crate::run::process::{End, Lines, Patience, begin, run, tail};
 use crate::run::{Driver, Installation, find_on_path};
 
@@ -219,7 +220,7 @@ pub fn status(driver: &Driver, cache: Option<&CachePaths>, env: &Env) -> Status 
     if matches!(own, Status::Installed { .. }) {
         return own;
     }
-    find_on_path(driver, env, &mut Vec::new()).map_or(own, |(path, version)| Status::External { path, version })
+    find_on_path(driver, env, None, &mut Vec::new()).map_or(own, |(path, version)| Status::External { path, version })
 }
 
 /// What there is in the cache. This reads one small file and starts nothing.
@@ -229,7 +230,7 @@ pub fn status_in_cache(driver: &Driver, cache: &CachePaths) -> Status {
     if !folder.is_dir() {
         return Status::NotInstalled;
     }
-    let marker = fs::read(folder.join(MARKER)).ok();
+    let marker = regular::read(&folder.join(MARKER), regular::TEXT).ok();
     let marker = marker.and_then(|bytes| serde_json::from_slice::<Marker>(&bytes).ok());
     match (marker, place(driver, &folder)) {
         // The Python below an environment may have been removed since.
@@ -283,7 +284,7 @@ impl Site<'_> {
         let program = PathBuf::from(command.get_program());
         let log = self.folder.join(LOG);
         begin(&log).map_err(InstallError::io(&log))?;
-        let patience = Patience { timeout: None, cancel: self.request.cancel.as_deref() };
+        let patience = Patience { until: None, cancel: self.request.cancel.as_deref() };
         let end = run(command, &log, Lines::All, patience, &mut |line| {
             progress(InstallProgress::Line(line.to_owned()));
         });

@@ -92,7 +92,7 @@ fn examine(driver: &Driver, (oldest, newest): (u32, u32), path: &Path) -> Result
     let mut command = isolated(path);
     command.arg("-c").arg(QUESTION);
     let (mut version, mut venv) = (None, false);
-    let (end, tail) = ask(command, Lines::Events, &mut |line| {
+    let (end, tail) = ask(command, None, Lines::Events, &mut |line| {
         if let Some(rest) = line.strip_prefix("version ") {
             version = Some(rest.to_owned());
         }

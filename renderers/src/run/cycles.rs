@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::process::{End, Lines};
-use super::{Driver, Installation, Job, Packages, Plan, RenderError, script};
+use super::{Asked, Driver, Installation, Job, Packages, Plan, RenderError, script};
 
 pub(super) const ROW: Driver = Driver {
     name: "cycles",
@@ -36,11 +36,12 @@ pub(super) const ROW: Driver = Driver {
 /// The first Blender with the metal that scenes use.
 const OLDEST: (u32, u32) = (4, 3);
 
-fn probe(executable: &Path) -> Result<String, String> {
+fn probe(asked: Asked<'_>) -> Result<String, String> {
+    let executable = asked.program;
     let version = if script::is_python(executable) {
-        script::probe(executable, "bpy", "bpy.app.version_string.split()[0]")?
+        script::probe(asked, "bpy", "bpy.app.version_string.split()[0]")?
     } else if is_program(executable) {
-        ask(executable)?
+        ask(asked)?
     } else {
         return Err(super::find::wrong_program(executable, &ROW));
     };
@@ -53,11 +54,11 @@ fn probe(executable: &Path) -> Result<String, String> {
 }
 
 /// The version of the program.
-fn ask(executable: &Path) -> Result<String, String> {
-    let mut command = Command::new(executable);
+fn ask(asked: Asked<'_>) -> Result<String, String> {
+    let mut command = Command::new(asked.program);
     command.arg("--version");
     let mut version = None;
-    let (end, _) = script::ask(command, Lines::All, &mut |line| {
+    let (end, _) = script::ask(command, asked.until, Lines::All, &mut |line| {
         // "Blender 4.5.15 LTS"
         if let Some(rest) = line.strip_prefix("Blender ") {
             version = version.take().or_else(|| rest.split_whitespace().next().map(str::to_owned));

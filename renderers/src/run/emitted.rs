@@ -30,7 +30,7 @@ pub(super) fn texts(folder: &Path, ending: &'static str) -> impl Iterator<Item =
         .filter(|path| path.extension().is_some_and(|extension| extension == ending))
         .collect();
     paths.sort();
-    paths.into_iter().filter_map(|path| fs::read_to_string(&path).ok().map(|text| (path, text)))
+    paths.into_iter().filter_map(|path| crate::regular::read_text(&path, u64::MAX - 1).ok().map(|text| (path, text)))
 }
 
 /// Makes `<scratch>/copy/scene` look like the emitted folder, but for the changed files. Other files but the main one are links

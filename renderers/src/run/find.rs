@@ -1,9 +1,10 @@
 //! Looks for a renderer: what the user names, then a private installation, then the path.
 
 use std::path::{Path, PathBuf};
+use std::time::Instant;
 
 use super::script::is_python;
-use super::{Driver, Installation, RenderError};
+use super::{Asked, Driver, Installation, RenderError};
 use crate::cache::CachePaths;
 use crate::env::{Env, executable};
 use crate::install;
@@ -19,6 +20,8 @@ pub struct Search<'a> {
     pub given: Option<&'a Path>,
     /// What the user has configured.
     pub configured: Option<&'a Path>,
+    /// Until when programs may take to answer; a minute for each if nothing is said.
+    pub until: Option<Instant>,
 }
 
 /// How an executable was found.
@@ -57,7 +60,7 @@ pub fn find(driver: &'static Driver, search: &Search<'_>) -> Result<Found, Rende
         let Some(path) = path else { continue };
         let path = locate(path, search.env)
             .ok_or_else(|| not_found(vec![format!("`{}`: no such program", path.display())]))?;
-        return match (driver.probe)(&path) {
+        return match (driver.probe)(Asked { program: &path, until: search.until }) {
             Ok(version) => Ok(Found { path, version, source }),
             Err(reason) => Err(not_found(vec![format!("`{}`: {reason}", path.display())])),
         };
@@ -78,14 +81,19 @@ pub fn find(driver: &'static Driver, search: &Search<'_>) -> Result<Found, Rende
         }
         None => looked.push("no cache folder is known".to_owned()),
     }
-    match on_path(driver, search.env, &mut looked) {
+    match on_path(driver, search.env, search.until, &mut looked) {
         Some((path, version)) => Ok(Found { path, version, source: Source::Path }),
         None => Err(not_found(looked)),
     }
 }
 
 /// Looks on the path only, for a program and its version; adds to `looked` what did not work.
-pub(crate) fn on_path(driver: &Driver, env: &Env, looked: &mut Vec<String>) -> Option<(PathBuf, String)> {
+pub(crate) fn on_path(
+    driver: &Driver,
+    env: &Env,
+    until: Option<Instant>,
+    looked: &mut Vec<String>,
+) -> Option<(PathBuf, String)> {
     let python = driver.packages().map(|_| "python3");
     for program in python.iter().chain(driver.programs) {
         let all = env.on_path(program);
@@ -93,7 +101,7 @@ pub(crate) fn on_path(driver: &Driver, env: &Env, looked: &mut Vec<String>) -> O
             looked.push(format!("`{program}`: not on the path"));
         }
         for path in all {
-            match (driver.probe)(&path) {
+            match (driver.probe)(Asked { program: &path, until }) {
                 Ok(version) => return Some((path, version)),
                 Err(reason) => looked.push(format!("`{}`: {reason}", path.display())),
             }

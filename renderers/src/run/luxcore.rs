@@ -1,8 +1,6 @@
 //! LuxCore, through the Python package `pyluxcore`.
 
-use std::path::Path;
-
-use super::{Driver, Installation, Job, Packages, Plan, RenderError, script};
+use super::{Asked, Driver, Installation, Job, Packages, Plan, RenderError, script};
 
 pub(super) const ROW: Driver = Driver {
     name: "luxcore",
@@ -36,11 +34,11 @@ pub(super) const ROW: Driver = Driver {
     plan,
 };
 
-fn probe(executable: &Path) -> Result<String, String> {
-    if script::is_python(executable) {
-        script::probe(executable, "pyluxcore", "pyluxcore.Version()")
+fn probe(asked: Asked<'_>) -> Result<String, String> {
+    if script::is_python(asked.program) {
+        script::probe(asked, "pyluxcore", "pyluxcore.Version()")
     } else {
-        Err(super::find::wrong_program(executable, &ROW))
+        Err(super::find::wrong_program(asked.program, &ROW))
     }
 }
 

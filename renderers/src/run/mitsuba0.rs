@@ -6,14 +6,14 @@ use std::path::Path;
 use std::process::Command;
 
 use super::process::{End, Lines};
-use super::{Delivery, Driver, Installation, Job, Plan, RenderError, bar, emitted, script};
+use super::{Asked, Delivery, Driver, Installation, Job, Plan, RenderError, bar, emitted, script};
 
 pub(super) const ROW_06: Driver = Driver {
     name: "mitsuba-0.6",
     summary: "Mitsuba 0.6, path tracing and bidirectional methods",
     target: "mitsuba-0.6",
     version: "0.6.0",
-    probe: |executable| version(executable, "0.6"),
+    probe: |asked| version(asked, "0.6"),
     ..ROW
 };
 
@@ -22,7 +22,7 @@ pub(super) const ROW_05: Driver = Driver {
     summary: "Mitsuba 0.5, path tracing and bidirectional methods",
     target: "mitsuba-0.5",
     version: "0.5.0",
-    probe: |executable| version(executable, "0.5"),
+    probe: |asked| version(asked, "0.5"),
     ..ROW
 };
 
@@ -52,7 +52,7 @@ const ROW: Driver = Driver {
         ("not found", "a file or a plugin is missing; emit the folder again and keep it together"),
         ("bad_alloc", "it ran out of memory; make the image or the meshes smaller"),
     ],
-    probe: |executable| version(executable, "0."),
+    probe: |asked| version(asked, "0."),
     plan,
 };
 
@@ -74,11 +74,11 @@ fn program(executable: &Path) -> Command {
 }
 
 /// The version of a program that must be `wanted`, such as 0.6.
-fn version(executable: &Path, wanted: &str) -> Result<String, String> {
-    let mut command = program(executable);
+fn version(asked: Asked<'_>, wanted: &str) -> Result<String, String> {
+    let mut command = program(asked.program);
     command.arg("-h");
     let mut found = None;
-    let (end, tail) = script::ask(command, Lines::All, &mut |line| {
+    let (end, tail) = script::ask(command, asked.until, Lines::All, &mut |line| {
         // "Mitsuba version 0.6.0 (Linux, 64 bit), Copyright (c) 2017 Wenzel Jakob"
         if let Some(rest) = line.strip_prefix("Mitsuba version ") {
             let number = rest.split([' ', ',']).next().unwrap_or_default();

@@ -4,7 +4,7 @@ use std::path::Path;
 use std::process::Command;
 
 use super::process::{End, Lines};
-use super::{Delivery, Driver, Installation, Job, Packages, Plan, RenderError, emitted, script};
+use super::{Asked, Delivery, Driver, Installation, Job, Packages, Plan, RenderError, emitted, script};
 
 /// The variant that every installation has and that needs nothing else. The `llvm_*` variants are
 /// about five times faster, but a wrong LLVM library ends the process at the first image (14 to 16
@@ -53,9 +53,10 @@ pub(super) const ROW: Driver = Driver {
     plan,
 };
 
-fn probe(executable: &Path) -> Result<String, String> {
+fn probe(asked: Asked<'_>) -> Result<String, String> {
+    let executable = asked.program;
     if script::is_python(executable) {
-        return script::probe(executable, "mitsuba", "mitsuba.__version__");
+        return script::probe(asked, "mitsuba", "mitsuba.__version__");
     }
     if !is_program(executable) {
         return Err(super::find::wrong_program(executable, &ROW));
@@ -63,7 +64,7 @@ fn probe(executable: &Path) -> Result<String, String> {
     let mut command = Command::new(executable);
     command.arg("--help");
     let mut version = None;
-    let (end, _) = script::ask(command, Lines::All, &mut |line| {
+    let (end, _) = script::ask(command, asked.until, Lines::All, &mut |line| {
         // "Mitsuba version 3.9.1 (master[478e193], Linux, 64bit, ...)"
         if let Some(rest) = line.strip_prefix("Mitsuba version ") {
             version = rest.split_whitespace().next().map(str::to_owned);

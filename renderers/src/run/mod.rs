@@ -24,7 +24,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::cache::CachePaths;
 use crate::env::Env;
@@ -34,6 +34,13 @@ pub use error::{Failure, RenderError};
 pub(crate) use find::on_path as find_on_path;
 pub use find::{Found, Search, Source, find};
 pub use render::render;
+
+/// A program that is asked for its version, and until when it may take to answer.
+#[derive(Clone, Copy)]
+pub(crate) struct Asked<'a> {
+    pub program: &'a Path,
+    pub until: Option<Instant>,
+}
 
 /// All drivers, in the order in which they are listed.
 pub const DRIVERS: &[&Driver] = &[
@@ -85,7 +92,7 @@ pub struct Driver {
     /// Texts of the log that tell a known cause, each with what to do about it.
     pub hints: &'static [(&'static str, &'static str)],
     /// Asks an executable for its version; the reason if it has none.
-    pub(crate) probe: fn(&Path) -> Result<String, String>,
+    pub(crate) probe: fn(Asked<'_>) -> Result<String, String>,
     /// Turns a request into a command.
     pub(crate) plan: fn(&Job<'_>) -> Result<Plan, RenderError>,
 }
@@ -188,7 +195,7 @@ pub struct RenderRequest {
     pub seed: u32,
     /// Threads; all processors if nothing is said.
     pub threads: Option<usize>,
-    /// The longest time that it may take, start and loading included.
+    /// The longest time that it may take, with all that is asked of programs before, start and loading included.
     pub timeout: Option<Duration>,
     /// Where the whole output of the renderer goes; begun anew, its folder must exist.
     pub log: PathBuf,

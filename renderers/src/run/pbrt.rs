@@ -1,10 +1,10 @@
 //! What the drivers of PBRT and of its ports have in common: settings, and how programs tell their version.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::Command;
 
 use super::process::{End, Lines};
-use super::{Job, RenderError, emitted, script};
+use super::{Asked, Job, RenderError, emitted, script};
 
 /// Directives that count samples, each with what else counts them there; the number of the request goes into all.
 const COUNTS: [(&str, &str); 4] = [
@@ -17,14 +17,14 @@ const COUNTS: [(&str, &str); 4] = [
 
 /// Asks a PBRT for its major version and the rest of that line. Both versions say it when they render and not when they
 /// are asked for help (`main/pbrt.cpp`, `cmd/pbrt.cpp`), so they are given a scene of nothing.
-pub(super) fn banner(executable: &Path) -> Result<(u32, String), String> {
-    let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
+pub(super) fn banner(asked: Asked<'_>) -> Result<(u32, String), String> {
+    let folder = crate::guard::Folder::new().map_err(|error| error.to_string())?;
     let scene = folder.path().join("nothing.pbrt");
     std::fs::write(&scene, "# Nothing.\n").map_err(|error| error.to_string())?;
-    let mut command = Command::new(executable);
+    let mut command = Command::new(asked.program);
     command.arg(&scene);
     let mut version = None;
-    let (end, tail) = script::ask(command, Lines::All, &mut |line| {
+    let (end, tail) = script::ask(command, asked.until, Lines::All, &mut |line| {
         // "pbrt version 3 (built Nov 26 2026 at 12:00:00) [Detected 2 cores]"
         if let Some(rest) = line.trim().strip_prefix("pbrt version ") {
             version = version.take().or_else(|| Some(rest.to_owned()));
@@ -46,8 +46,8 @@ pub(super) fn banner(executable: &Path) -> Result<(u32, String), String> {
 }
 
 /// The version of a PBRT that must be `major`.
-pub(super) fn version(executable: &Path, major: u32) -> Result<String, String> {
-    let (found, text) = banner(executable)?;
+pub(super) fn version(asked: Asked<'_>, major: u32) -> Result<String, String> {
+    let (found, text) = banner(asked)?;
     if found == major {
         return Ok(text);
     }
@@ -59,11 +59,11 @@ pub(super) fn version(executable: &Path, major: u32) -> Result<String, String> {
 }
 
 /// The version of a port, which says `NAME 1.2.3` by itself.
-pub(super) fn port(executable: &Path, name: &str) -> Result<String, String> {
-    let mut command = Command::new(executable);
+pub(super) fn port(asked: Asked<'_>, name: &str) -> Result<String, String> {
+    let mut command = Command::new(asked.program);
     command.arg("--version");
     let mut version = None;
-    let (end, tail) = script::ask(command, Lines::All, &mut |line| {
+    let (end, tail) = script::ask(command, asked.until, Lines::All, &mut |line| {
         if let Some(rest) = line.trim().strip_prefix(name).and_then(|rest| rest.strip_prefix(' ')) {
             version = version.take().or_else(|| rest.split_whitespace().next().map(str::to_owned));
         }

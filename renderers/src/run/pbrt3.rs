@@ -1,10 +1,9 @@
 //! PBRT version 3, by its program `pbrt`.
 
-use std::path::Path;
 use std::process::Command;
 
 use super::tiles::{self, Outside};
-use super::{Delivery, Driver, Installation, Job, Plan, RenderError, bar, emitted, pbrt};
+use super::{Asked, Delivery, Driver, Installation, Job, Plan, RenderError, bar, emitted, pbrt};
 
 pub(super) const ROW: Driver = Driver {
     name: "pbrt-v3",
@@ -30,8 +29,8 @@ pub(super) const ROW: Driver = Driver {
     plan,
 };
 
-fn probe(executable: &Path) -> Result<String, String> {
-    pbrt::version(executable, 3)
+fn probe(asked: Asked<'_>) -> Result<String, String> {
+    pbrt::version(asked, 3)
 }
 
 /// Its command line has neither samples nor a seed, so the samples are written into a copy of the settings.

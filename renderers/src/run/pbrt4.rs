@@ -1,10 +1,9 @@
 //! PBRT version 4, by its program `pbrt`.
 
-use std::path::Path;
 use std::process::Command;
 
 use super::process::Lines;
-use super::{Delivery, Driver, Installation, Job, Plan, RenderError, bar, emitted, pbrt, script};
+use super::{Asked, Delivery, Driver, Installation, Job, Plan, RenderError, bar, emitted, pbrt, script};
 
 pub(super) const ROW: Driver = Driver {
     name: "pbrt-v4",
@@ -33,11 +32,11 @@ pub(super) const ROW: Driver = Driver {
 /// Options that the first versions of it lack, as its help writes them.
 const OPTIONS: [&str; 2] = ["--seed", "--spp"];
 
-fn probe(executable: &Path) -> Result<String, String> {
-    let version = pbrt::version(executable, 4)?;
-    let mut command = Command::new(executable);
+fn probe(asked: Asked<'_>) -> Result<String, String> {
+    let version = pbrt::version(asked, 4)?;
+    let mut command = Command::new(asked.program);
     command.arg("--help");
-    let (_, help) = script::ask(command, Lines::All, &mut |_| {})?;
+    let (_, help) = script::ask(command, asked.until, Lines::All, &mut |_| {})?;
     match OPTIONS.iter().find(|option| !help.iter().any(|line| line.contains(**option))) {
         None => Ok(version),
         Some(option) => Err(format!("it is version {version}, which is too old: it has no option `{option}`")),

@@ -30,7 +30,7 @@ pub(super) const ROW: Driver = Driver {
     wavelengths: None,
     failures: &[" ERROR] "],
     hints: pbrt::PORT_HINTS,
-    probe: |executable| pbrt::port(executable, "pbrt-r3"),
+    probe: |asked| pbrt::port(asked, "pbrt-r3"),
     plan,
 };
 

@@ -35,7 +35,7 @@ pub(super) const ROW: Driver = Driver {
     wavelengths: Some(pbrt::FOUR_WAVELENGTHS),
     failures: &[" ERROR] "],
     hints: pbrt::PORT_HINTS,
-    probe: |executable| pbrt::port(executable, "pbrt-r4"),
+    probe: |asked| pbrt::port(asked, "pbrt-r4"),
     plan,
 };
 

@@ -1,10 +1,10 @@
 //! Runs one program to its end: output to a log, lines to the caller, no orphans.
 //!
 //! Standard error goes straight into the log file and standard output through a thread that keeps
-//! one line at most, so that no amount of output can block the program or fill memory. On Unix the
-//! program leads a process group of its own, which is killed as a whole; a descendant that makes
-//! itself leader of another session escapes that. On other systems only the program itself is
-//! killed, which has not been tested.
+//! one line at most, so that no amount of output can block the program or fill memory. The program
+//! runs under a supervisor, and ends with all that it started: on Linux all of its descendants, on
+//! other Unix systems its process group. On other systems only the program itself is killed, which
+//! has not been tested.
 
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom, Write};
@@ -14,6 +14,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread;
 use std::time::{Duration, Instant};
+
+use crate::{guard, supervisor};
 
 /// What begins a line that is meant for us.
 pub(crate) const EVENT: &str = "@ltsc ";
@@ -37,7 +39,7 @@ pub(crate) enum Lines {
 /// When to give up.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct Patience<'a> {
-    pub timeout: Option<Duration>,
+    pub until: Option<Instant>,
     pub cancel: Option<&'a AtomicBool>,
 }
 
@@ -56,7 +58,7 @@ pub(crate) fn begin(log: &Path) -> io::Result<()> {
 
 /// Runs the command, whose input and output are set here; the output is added to `log`.
 pub(crate) fn run(
-    mut command: Command,
+    command: Command,
     log: &Path,
     lines: Lines,
     patience: Patience<'_>,
@@ -65,11 +67,11 @@ pub(crate) fn run(
     // Two writers share the log, so each write must go to the end.
     let open = || OpenOptions::new().append(true).create(true).open(log);
     let (sink, errors) = (open()?, open()?);
+    let mut command = supervisor::over(command);
     command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(errors);
     #[cfg(unix)]
     std::os::unix::process::CommandExt::process_group(&mut command, 0);
-    let start = Instant::now();
-    let mut tree = Tree { child: command.spawn()?, ended: false };
+    let mut tree = Tree::start(&mut command)?;
     // The command keeps the other end of the log open.
     drop(command);
     let Some(stdout) = tree.child.stdout.take() else {
@@ -87,9 +89,11 @@ pub(crate) fn run(
             break End::Cancelled;
         }
         if tree.has_exited()? {
+            // It may have been ended because this process is being ended.
+            guard::stop_if_ending();
             break End::Exited(tree.finish()?);
         }
-        if patience.timeout.is_some_and(|timeout| start.elapsed() >= timeout) {
+        if patience.until.is_some_and(|until| Instant::now() >= until) {
             break End::TimedOut;
         }
     };
@@ -107,8 +111,7 @@ pub(crate) fn tail(log: &Path, count: usize) -> Vec<String> {
     const BYTES: u64 = 64 * 1024;
     const WIDTH: usize = 400;
     let read = || -> io::Result<Vec<u8>> {
-        let mut file = File::open(log)?;
-        let length = file.metadata()?.len();
+        let (mut file, length) = crate::regular::open(log)?;
         file.seek(SeekFrom::Start(length.saturating_sub(BYTES)))?;
         let mut bytes = Vec::new();
         file.take(BYTES).read_to_end(&mut bytes)?;
@@ -215,17 +218,42 @@ fn read_line(reader: &mut impl BufRead, states: bool, line: &mut Vec<u8>) -> io:
 struct Tree {
     child: Child,
     ended: bool,
+    _held: guard::Held,
 }
 
 impl Tree {
+    /// Starts it, and sees to it that it ends with this process.
+    fn start(command: &mut Command) -> io::Result<Self> {
+        let make = || {
+            // Under a supervisor this would come too late for an error.
+            let missing = |path: &Path| path.components().count() > 1 && !path.exists();
+            if command.get_args().next().is_some_and(|first| first == supervisor::MARK)
+                && supervisor::program(command).is_some_and(|program| missing(Path::new(program)))
+            {
+                return Err(io::ErrorKind::NotFound.into());
+            }
+            command.spawn()
+        };
+        let (child, held) = guard::hold(make, |child| {
+            let id = child.id();
+            // Where descendants are not found from here, the supervisor ends them, once this process and its input have ended.
+            move || match supervisor::is_used() && !cfg!(target_os = "linux") {
+                true => {}
+                false => end(id),
+            }
+        })?;
+        Ok(Self { child, ended: false, _held: held })
+    }
+
     /// Whether the program has ended. It is not yet waited for, so that its number, which is also
     /// that of its group, cannot pass to another program.
     #[cfg(unix)]
     fn has_exited(&self) -> io::Result<bool> {
         use rustix::process::{WaitId, WaitIdOptions, waitid};
         let options = WaitIdOptions::EXITED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
+        let pid = pid(self.child.id()).ok_or_else(|| io::Error::other("the program has no process number"))?;
         loop {
-            match waitid(WaitId::Pid(self.pid()?), options) {
+            match waitid(WaitId::Pid(pid), options) {
                 Ok(status) => return Ok(status.is_some()),
                 Err(rustix::io::Errno::INTR) => {}
                 Err(error) => return Err(error.into()),
@@ -238,36 +266,44 @@ impl Tree {
         Ok(self.child.try_wait()?.is_some())
     }
 
-    /// Kills what is left of the program and its group, and waits for the program.
+    /// Ends the supervisor's input, and gives it time to end what descends from it.
+    #[cfg(all(unix, not(target_os = "linux")))]
+    fn let_supervisor_end(&mut self) {
+        drop(self.child.stdin.take());
+        let start = std::time::Instant::now();
+        while supervisor::is_used() && start.elapsed() < LINGER && !self.has_exited().unwrap_or(true) {
+            thread::sleep(POLL);
+        }
+    }
+
+    /// Kills what is left of the program and what it started, and waits for the program.
     fn finish(&mut self) -> io::Result<ExitStatus> {
-        self.kill();
+        #[cfg(all(unix, not(target_os = "linux")))]
+        self.let_supervisor_end();
+        end(self.child.id());
+        #[cfg(not(unix))]
+        let _gone = self.child.kill();
         let status = self.child.wait();
         self.ended = true;
         status
     }
+}
 
-    #[cfg(unix)]
-    fn kill(&mut self) {
-        use rustix::process::{Signal, kill_process_group};
-        if let Ok(pid) = self.pid() {
-            // It fails only if the group is empty already.
-            let _ = kill_process_group(pid, Signal::KILL);
-        }
-    }
+#[cfg(unix)]
+fn pid(id: u32) -> Option<rustix::process::Pid> {
+    i32::try_from(id).ok().and_then(rustix::process::Pid::from_raw)
+}
 
-    #[cfg(not(unix))]
-    fn kill(&mut self) {
-        let _ = self.child.kill();
-    }
-
-    #[cfg(unix)]
-    fn pid(&self) -> io::Result<rustix::process::Pid> {
-        i32::try_from(self.child.id())
-            .ok()
-            .and_then(rustix::process::Pid::from_raw)
-            .ok_or_else(|| io::Error::other("the program has no process number"))
+/// Ends a process with all that it started. It is not yet waited for, so that its number is still its own.
+#[cfg(unix)]
+fn end(id: u32) {
+    if let Some(pid) = pid(id) {
+        crate::tree::end(pid);
     }
 }
+
+#[cfg(not(unix))]
+fn end(_id: u32) {}
 
 impl Drop for Tree {
     fn drop(&mut self) {

@@ -345,7 +345,7 @@ fn two_versions_on_one_path_are_told_apart() {
     let four = Stage::new("pbrt-v4", "pbrt", PBRT, PBRT4);
     let both = format!("{}:{}", three.folder.path().display(), four.folder.path().display());
     let env = Env::of(&[("PATH", &both)]);
-    let search = Search { env: &env, cache: None, given: None, configured: None };
+    let search = Search { env: &env, cache: None, given: None, configured: None, until: None };
     for stage in [&three, &four] {
         let found = find(stage.request.driver, &search).expect("one fits");
         assert_eq!(Some(found.path), stage.request.executable);

@@ -6,7 +6,8 @@ use std::time::{Duration, Instant};
 use serde::Deserialize;
 
 use super::process::{End, Lines, Patience, begin, run, tail};
-use super::{Delivery, Driver, Job, Plan, Progress, RenderError, RenderRequest, Rendered, Said, Search, find};
+use super::{Asked, Delivery, Driver, Job, Plan, Progress, RenderError, RenderRequest, Rendered, Said, Search, find};
+use crate::guard;
 use crate::image::{Image, read};
 
 /// Renders one image. The renderer's processes have ended when this returns, however it does.
@@ -21,6 +22,7 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
             hint: "ask for 1 or more".to_owned(),
         });
     }
+    let until = request.timeout.map(|timeout| Instant::now() + timeout);
     let io = |path: &Path| {
         let path = path.to_owned();
         move |source| RenderError::Io { path, source }
@@ -34,16 +36,16 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
             hint: format!("emit the scene for the target `{}` first", request.driver.target),
         });
     }
-    let search = |given| Search { env: &request.env, cache: request.cache.as_ref(), given, configured: None };
+    let search = |given| Search { env: &request.env, cache: request.cache.as_ref(), given, configured: None, until };
     let driver = request.driver;
     let (executable, version) = match &request.executable {
         Some(path) if !driver.asks_named => (absolute(path)?, String::new()),
         given => {
-            let found = find(driver, &search(given.as_deref()))?;
+            let found = find(driver, &search(given.as_deref())).map_err(|error| in_time(request, until, error))?;
             (found.path, found.version)
         }
     };
-    let scratch = tempfile::Builder::new().prefix("ltsc-render-").tempdir().map_err(io(&std::env::temp_dir()))?;
+    let scratch = guard::Folder::new().map_err(io(&std::env::temp_dir()))?;
     let job = Job { request, executable: &executable, folder: &folder, main: &main, scratch: scratch.path() };
     let Plan { command, delivery, above, facts } = (driver.plan)(&job)?;
     begin(&log).map_err(io(&log))?;
@@ -52,7 +54,7 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
     if !gathered.version.is_empty() && !matches!(delivery, Delivery::Events) {
         progress(Progress::Started { version: gathered.version.clone() });
     }
-    let patience = Patience { timeout: request.timeout, cancel: request.cancel.as_deref() };
+    let patience = Patience { until, cancel: request.cancel.as_deref() };
     let lines = if matches!(delivery, Delivery::Events) { Lines::Events } else { Lines::All };
     let end = run(command, &log, lines, patience, &mut |line| match &delivery {
         Delivery::Events => gathered.take(line, scratch.path(), progress),
@@ -74,7 +76,7 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
                 return Err(no_image(driver, "left no image".to_owned(), &log));
             }
             if gathered.version.is_empty() {
-                gathered.version = (driver.probe)(&executable).unwrap_or_default();
+                gathered.version = (driver.probe)(Asked { program: &executable, until }).unwrap_or_default();
             }
             (without_rows(read(&path)?.0, above), u64::from(request.samples), watch.took())
         }
@@ -101,6 +103,15 @@ fn without_rows(mut image: Image, rows: usize) -> Image {
     image.pixels.drain(..rows * image.width);
     image.height -= rows;
     image
+}
+
+/// Why no renderer was found: where the time was over, that it did not answer in time.
+fn in_time(request: &RenderRequest, until: Option<Instant>, error: RenderError) -> RenderError {
+    if until.is_none_or(|until| Instant::now() < until) {
+        return error;
+    }
+    let after = request.timeout.unwrap_or_default();
+    RenderError::TimedOut { driver: request.driver.name, after, tail: error.tail().to_vec(), log: request.log.clone() }
 }
 
 /// What is wrong with an image that is not as large as the scene says.

@@ -254,7 +254,7 @@ fn what_is_named_comes_first_and_must_work() {
     let env = Env::of(&[("PATH", &path.join(":"))]);
     let driver = driver("lux").expect("an alias");
     let cache = CachePaths { root: folder.path().join("cache") };
-    let search = Search { env: &env, cache: Some(&cache), given: None, configured: None };
+    let search = Search { env: &env, cache: Some(&cache), given: None, configured: None, until: None };
     let look = |search: Search<'_>| find(driver, &search).map(|found| (found.path, found.version, found.source));
     let found = look(search).expect("one on the path works");
     assert_eq!(found, (good.clone(), "2.0".to_owned(), Source::Path));

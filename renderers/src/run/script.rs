@@ -4,12 +4,12 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::Path;
 use std::process::Command;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use crate::install::LOCK;
 
 use super::process::{End, Lines, Patience, begin, run, tail};
-use super::{Delivery, Job, Plan, RenderError};
+use super::{Asked, Delivery, Job, Plan, RenderError};
 
 /// Stands in front of every script.
 const PRELUDE: &str = include_str!("prelude.py");
@@ -70,7 +70,7 @@ pub(crate) fn plan(
 }
 
 /// Asks a Python for the version of a module, given by an expression.
-pub(crate) fn probe(executable: &Path, module: &str, expression: &str) -> Result<String, String> {
+pub(crate) fn probe(asked: Asked<'_>, module: &str, expression: &str) -> Result<String, String> {
     // Renderers print on import; the version stands on a line of its own.
     let program = format!(
         "import importlib.util, sys\n\
@@ -78,10 +78,10 @@ pub(crate) fn probe(executable: &Path, module: &str, expression: &str) -> Result
          import {module}\n\
          print('\\n@ltsc ' + str({expression}), flush=True)\n"
     );
-    let mut command = python(executable);
+    let mut command = python(asked.program);
     command.arg("-c").arg(program);
     let mut version = None;
-    let (end, tail) = ask(command, Lines::Events, &mut |line| version = Some(line.to_owned()))?;
+    let (end, tail) = ask(command, asked.until, Lines::Events, &mut |line| version = Some(line.to_owned()))?;
     match (end, version) {
         (End::Exited(status), Some(version)) if status.success() => Ok(version),
         (End::Exited(status), _) if status.code() == Some(77) => Err(format!("it has no module `{module}`")),
@@ -92,17 +92,19 @@ pub(crate) fn probe(executable: &Path, module: &str, expression: &str) -> Result
     }
 }
 
-/// Runs a short command in an empty folder; gives its end and the end of its output.
+/// Runs a short command in an empty folder, not longer than `until`; gives its end and the end of its output.
 pub(crate) fn ask(
     mut command: Command,
+    until: Option<Instant>,
     lines: Lines,
     on_line: &mut dyn FnMut(&str),
 ) -> Result<(End, Vec<String>), String> {
-    let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
+    let folder = crate::guard::Folder::new().map_err(|error| error.to_string())?;
     let log = folder.path().join("log");
     command.current_dir(folder.path());
     begin(&log).map_err(|error| error.to_string())?;
-    let patience = Patience { timeout: Some(PROBE_TIME), cancel: None };
+    let most = Instant::now() + PROBE_TIME;
+    let patience = Patience { until: Some(until.map_or(most, |until| until.min(most))), cancel: None };
     let end = run(command, &log, lines, patience, on_line).map_err(|error| format!("it does not start: {error}"))?;
     Ok((end, tail(&log, super::error::CAUSES)))
 }

@@ -49,16 +49,19 @@ pub fn run(command: &Build) -> Result<Exit, Failure> {
     if command.stats {
         return super::stats::run(command, &only);
     }
-    let whole = command.paths.is_empty();
     let mut exit = Exit::Done;
     let mut said = false;
     let mut all = Vec::new();
-    let groups = all_files_of(&command.paths)?;
+    let groups = match gone(command)? {
+        Some(project) => vec![(project, Vec::new())],
+        None => all_files_of(&command.paths)?,
+    };
     if groups.len() > 1 && command.findings.format.is_document() {
         return Err(Failure::new(Exit::Usage, "the scenes belong to several projects, and there is one document")
             .help("build them one by one, or choose `--format short`"));
     }
     for (project, files) in groups {
+        let whole = is_whole(&project, &files);
         let (one, built) = build(command, &project, &files, &only, whole)?;
         exit = exit.max(one);
         match built {
@@ -73,9 +76,44 @@ pub fn run(command: &Build) -> Result<Exit, Failure> {
     Ok(exit)
 }
 
+/// Whether these are all scenes of the project, however they were named.
+fn is_whole(project: &Project, files: &[PathBuf]) -> bool {
+    let real = |files: &[PathBuf]| -> BTreeSet<PathBuf> {
+        files.iter().map(|file| fs::canonicalize(file).unwrap_or_else(|_| file.clone())).collect()
+    };
+    let all = || project::scene_files(&project.scenes).unwrap_or_default();
+    project.declared && real(files).is_superset(&real(&all()))
+}
+
+/// The project, where all of it is to be built, the last scene is gone, and what was generated of it is not.
+fn gone(command: &Build) -> Result<Option<Project>, Failure> {
+    let project = match &command.paths[..] {
+        [] => Project::here()?,
+        [folder] => match Project::of(folder) {
+            Ok(project)
+                if project.declared && fs::canonicalize(folder).ok() == fs::canonicalize(&project.scenes).ok() =>
+            {
+                project
+            }
+            _ => return Ok(None),
+        },
+        _ => return Ok(None),
+    };
+    let none = match fs::metadata(&project.scenes) {
+        Err(error) => error.kind() == io::ErrorKind::NotFound,
+        Ok(_) => project::scene_files(&project.scenes).is_err_and(|failure| failure.exit == Exit::Usage),
+    };
+    let left =
+        command.output.is_none() && command.target.is_empty() && !orphans(&project.generated, &[], None)?.is_empty();
+    Ok((none && left).then_some(project))
+}
+
 fn json_of(built: &Built) -> serde_json::Value {
-    let Built { name, targets, changes: Changes { written, same, removed, kept } } = built;
-    json!({ "scene": name, "targets": targets, "written": written, "unchanged": same, "removed": removed, "kept": kept })
+    let Built { name, targets, changes: Changes { written, same, removed, kept, restored } } = built;
+    json!({
+        "scene": name, "targets": targets, "written": written, "unchanged": same, "removed": removed, "kept": kept,
+        "restored": restored,
+    })
 }
 
 fn build(
@@ -302,6 +340,11 @@ fn summary(built: &[Built], output: &Path, check: bool) {
     for (name, path) in built.iter().flat_map(|scene| scene.changes.kept.iter().map(|path| (&scene.name, path))) {
         let path = output.join(name).join(path);
         terminal::say(&format!("{} is no longer made, and was changed since: it stays", path.display()));
+    }
+    for (name, path) in built.iter().flat_map(|scene| scene.changes.restored.iter().map(|path| (&scene.name, path))) {
+        let path = output.join(name).join(path);
+        let what = if check { "was changed by hand" } else { "was changed by hand, and is written anew" };
+        terminal::say(&format!("{} {what}", path.display()));
     }
     let stale = built.iter().any(|scene| !scene.changes.is_empty());
     let targets = built.iter().map(|scene| scene.targets).max().unwrap_or(0);

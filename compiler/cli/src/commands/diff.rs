@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use ltsc_core::files::Sink;
-use ltsc_render::compare::{CompareOptions, Comparison, compare, to_text, write_difference_png};
+use ltsc_render::compare::{CompareOptions, Comparison, compare, difference_png, to_text};
 use ltsc_render::image::{Image, ImageError, laid, read_placed, reduce};
 use serde_json::json;
 
@@ -105,11 +105,8 @@ fn write_folder(
     document: &serde_json::Value,
 ) -> Result<(), Failure> {
     let failed = |error: std::io::Error| unwritable(folder, &error);
-    let work = tempfile::tempdir().map_err(failed)?;
-    let picture = work.path().join("difference.png");
-    write_difference_png(&picture, a, b, f64::from(command.exposure))
+    let picture = difference_png(&folder.join("difference.png"), a, b, f64::from(command.exposure))
         .map_err(|error| Failure::new(Exit::Environment, error.to_string()))?;
-    let picture = std::fs::read(&picture).map_err(failed)?;
     let text = format!("{document:#}\n");
     let mut sink = DiskSink::new(folder, "diff", false, command.force).map_err(failed)?;
     sink.file("difference.png", &mut |out| out.write_all(&picture)).map_err(failed)?;

@@ -8,6 +8,7 @@ use ltsc_core::eval::Overrides;
 use ltsc_core::files::VPath;
 use ltsc_core::fix::apply;
 use ltsc_core::formats::Target;
+use ltsc_render::regular;
 use serde_json::Value;
 use similar::TextDiff;
 
@@ -166,7 +167,7 @@ pub fn write(project: &Project, findings: &args::Findings, fixed: &Fixed) -> Res
         let failed =
             |error: std::io::Error| Failure::new(Exit::Environment, format!("{path} cannot be written: {error}"));
         let real = disk.real(path).map_err(failed)?;
-        if std::fs::read(&real).map_err(failed)? != before.as_bytes() {
+        if regular::read(&real, u64::MAX - 1).map_err(failed)? != before.as_bytes() {
             return Err(Failure::new(Exit::Environment, format!("{path} changed while it was fixed"))
                 .help("run the command again"));
         }

@@ -1,6 +1,5 @@
 //! `ltsc fmt`.
 
-use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,6 +7,7 @@ use std::sync::Arc;
 use ltsc_core::diag::{Finding, Severity, Sources};
 use ltsc_core::eval::Limits;
 use ltsc_core::format::{FormatError, format, unformatted};
+use ltsc_render::regular;
 use rayon::prelude::*;
 use similar::TextDiff;
 
@@ -150,11 +150,11 @@ fn one(asked: &Asked, command: &Fmt) -> Result<Done, Failure> {
     let Asked { file, path, prefix: _, most } = asked;
     let (name, most) = (file.display().to_string(), *most);
     let unreadable = |error: std::io::Error| Failure::new(Exit::Input, format!("{name} cannot be read: {error}"));
-    let size = fs::metadata(file).map_err(unreadable)?.len();
-    if size > most {
-        return Err(too_large(&name, most));
-    }
-    let text = text(&name, fs::read(file).map_err(unreadable)?, most)?;
+    let bytes = match regular::read(file, most) {
+        Err(error) if error.kind() == std::io::ErrorKind::FileTooLarge => return Err(too_large(&name, most)),
+        other => other.map_err(unreadable)?,
+    };
+    let text = text(&name, bytes, most)?;
     let done = formatted(path, text)?;
     if let Done::Changed(_, after) = &done
         && !command.check

@@ -1,8 +1,8 @@
 //! One image of a scene by a renderer: emitted into a folder of its own, read back, rendered. The same for every command that
 //! renders scenes of its own accord, and known by its content: what was written for the renderer, and how it is asked to render.
 
-use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::path::Path;
+use std::time::{Duration, Instant};
 
 use ltsc_core::capability::{Support, algorithm};
 use ltsc_core::formats::Choices;
@@ -12,8 +12,8 @@ use ltsc_core::pipeline;
 use ltsc_core::valid::Valid;
 use ltsc_render::cache::CachePaths;
 use ltsc_render::env::Env;
+use ltsc_render::guard::Folder;
 use ltsc_render::run::{Driver, Found, Progress, RenderError, RenderRequest, Rendered, Search, find, render};
-use tempfile::TempDir;
 
 use crate::disk::{DiskSink, unwritable};
 use crate::output::{Exit, Failure};
@@ -33,9 +33,10 @@ pub struct Runner {
     pub cache: Option<CachePaths>,
 }
 
-/// Whether the renderer is there.
-pub fn is_there(driver: &'static Driver, project: &Project) -> bool {
-    Runner::find(driver, None, Some(project)).is_ok()
+/// Whether the renderer is there; one that the project names and the user does not trust is an error.
+pub fn is_there(driver: &'static Driver, project: &Project, timeout: Duration) -> Result<bool, Failure> {
+    project.program(driver.name)?;
+    Ok(Runner::find(driver, None, Some(project), Some(timeout)).is_ok())
 }
 
 /// Whether the renderer lacks the algorithm that the scene asks for.
@@ -46,20 +47,30 @@ pub fn lacks(driver: &Driver, scene: &Scene) -> Result<bool, Failure> {
 
 impl Runner {
     /// Finds the renderer: what is `given`, what the project names, an installation, or one on the path.
-    pub fn find(driver: &'static Driver, given: Option<&Path>, project: Option<&Project>) -> Result<Self, Failure> {
+    /// It answers within `timeout`, which each image also has.
+    pub fn find(
+        driver: &'static Driver,
+        given: Option<&Path>,
+        project: Option<&Project>,
+        timeout: Option<Duration>,
+    ) -> Result<Self, Failure> {
         let env = Env::of_process();
         let cache = CachePaths::find(&env);
-        let configured = project.and_then(|project| project.executables.get(driver.name)).map(PathBuf::as_path);
-        let search = Search { env: &env, cache: cache.as_ref(), given, configured };
+        let configured = match project.filter(|_| given.is_none()) {
+            Some(project) => project.program(driver.name)?,
+            None => None,
+        };
+        let until = timeout.map(|timeout| Instant::now() + timeout);
+        let search = Search { env: &env, cache: cache.as_ref(), given, configured, until };
         let found = find(driver, &search).map_err(|error| failure(&error))?;
-        Ok(Self { driver, found, threads: None, timeout: None, env, cache })
+        Ok(Self { driver, found, threads: None, timeout, env, cache })
     }
 }
 
 /// A scene as it was written for a renderer, in a folder that goes with it.
 pub struct Job<'r> {
     runner: &'r Runner,
-    work: TempDir,
+    work: Folder,
     scene: String,
     size: (usize, usize),
     /// Of everything that was written for the renderer.
@@ -71,7 +82,7 @@ impl<'r> Job<'r> {
     pub fn new(scene: &Valid, runner: &'r Runner) -> Result<Self, Failure> {
         let target = project::target(runner.driver.target)?;
         let failed = |error: std::io::Error| Failure::new(Exit::Environment, format!("no temporary folder: {error}"));
-        let work = tempfile::Builder::new().prefix("ltsc-render-").tempdir().map_err(failed)?;
+        let work = Folder::new().map_err(failed)?;
         let camera = pipeline::camera(scene, None)
             .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
         let failed = |error: std::io::Error| unwritable(work.path(), &error);

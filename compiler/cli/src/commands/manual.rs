@@ -1,13 +1,12 @@
 //! `ltsc manual`: the reference manual, printed or written.
 
-use std::fs;
 use std::path::Path;
 
 use ltsc_core::diag::nearest;
 use ltsc_core::manual::{self, PAGES};
 
 use crate::args::Manual;
-use crate::disk::{unwritable, write_atomically};
+use crate::disk::Pages;
 use crate::output::{Exit, Failure};
 use crate::terminal;
 
@@ -15,7 +14,7 @@ use super::conventions::measured_by;
 
 pub fn run(command: &Manual) -> Result<Exit, Failure> {
     match (&command.page, &command.output) {
-        (_, Some(folder)) => write(folder, command.check),
+        (_, Some(folder)) => write(folder, command),
         (Some(name), None) => {
             let page = manual::find(name).ok_or_else(|| unknown(name))?;
             terminal::print(&(page.text)(&measured_by()?));
@@ -39,25 +38,15 @@ fn unknown(name: &str) -> Failure {
 }
 
 /// Writes the pages that are not yet what they should be, or only names them.
-fn write(folder: &Path, check: bool) -> Result<Exit, Failure> {
-    let measured = measured_by()?;
-    let mut stale = 0;
+fn write(folder: &Path, command: &Manual) -> Result<Exit, Failure> {
+    let (measured, check) = (measured_by()?, command.check);
+    let mut pages = Pages::new(folder, "manual");
     for page in PAGES {
-        let path = folder.join(page.file());
-        let text = (page.text)(&measured);
-        if fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
-            continue;
-        }
-        stale += 1;
-        if check {
-            terminal::print(&format!("stale: {}\n", path.display()));
-        } else {
-            write_atomically(&path, &mut |out| out.write_all(text.as_bytes()))
-                .map_err(|error| unwritable(folder, &error))?;
-            terminal::print(&format!("{} written\n", path.display()));
-        }
+        pages.put(page.file(), (page.text)(&measured));
     }
-    let place = folder.display();
+    let done = pages.finish(check, command.force)?;
+    terminal::print(&done.lines(check));
+    let (stale, place) = (done.count(), folder.display());
     match (stale, check) {
         (0, _) => terminal::say(&format!("{place}: nothing to do, all pages are up to date")),
         (_, true) => terminal::say(&format!("{place} is stale; `ltsc manual -o {place}` brings it up to date")),

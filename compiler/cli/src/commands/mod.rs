@@ -69,7 +69,7 @@ fn format_of(command: &Command) -> Format {
         Command::Agree(command) => command.format,
         Command::Renderers(command) => match command.action {
             RenderersAction::List { format } => format,
-            RenderersAction::Install { .. } => Format::Human,
+            RenderersAction::Install { .. } | RenderersAction::Trust => Format::Human,
         },
         Command::Explain(_) | Command::Doc(_) | Command::Manual(_) | Command::Completions { .. } => Format::Human,
     }

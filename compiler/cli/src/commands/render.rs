@@ -2,8 +2,6 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 use ltsc_core::capability::algorithm;
@@ -11,12 +9,13 @@ use ltsc_core::ir::Scene;
 use ltsc_core::pipeline;
 use ltsc_render::cache::CachePaths;
 use ltsc_render::env::Env;
-use ltsc_render::image::{Provenance, write_exr};
+use ltsc_render::guard::Folder;
+use ltsc_render::image::{Provenance, exr_bytes};
 use ltsc_render::run::{Driver, Progress, RenderError, RenderRequest, Rendered, driver, render};
 use serde_json::json;
 
 use crate::args::{Format, Render};
-use crate::disk::DiskSink;
+use crate::disk::{DiskSink, Log, check_log, unwritable, write_whole};
 use crate::output::{Exit, Failure};
 use crate::project;
 use crate::terminal::{self, Bar};
@@ -37,25 +36,30 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
     if exit != Exit::Done {
         return Ok(exit);
     }
-    let work = tempfile::Builder::new()
-        .prefix("ltsc-render-")
-        .tempdir()
+    let work = Folder::new()
         .map_err(|error| Failure::new(Exit::Environment, format!("no temporary folder can be made: {error}")))?;
-    let unwritable =
-        |error: std::io::Error| Failure::new(Exit::Environment, format!("{}: {error}", work.path().display()));
+    let failed = |error: std::io::Error| unwritable(work.path(), &error);
     let mut sink = DiskSink::own(work.path(), &scene.scene.name);
     pipeline::emit_alone(&scene.scene, scene.camera, target, &scene.ledger(target), &scene.project.choices, &mut sink)
-        .map_err(unwritable)?;
+        .map_err(failed)?;
     if let Some(exit) = scene.audited(target, &sink, command.findings.format) {
         return Ok(exit);
     }
-    sink.finish().map_err(unwritable)?;
-    let request = request(command, driver, &scene, work.path());
-    let log = request.log.clone();
+    sink.finish().map_err(failed)?;
+    let executable = match &command.executable {
+        Some(given) => Some(given.clone()),
+        None => scene.project.program(driver.name)?.map(Path::to_path_buf),
+    };
+    let log = log_of(command);
+    let request = request(command, driver, &scene, (executable, work.path(), &log));
+    let whole = Log::begin(&log, command.force)?;
     let rendered = watch(&request, &scene)?;
+    drop(whole);
     let provenance = provenance(command, driver, &scene, &rendered);
-    write_exr(&command.output, &rendered.image, &provenance)
+    let bytes = exr_bytes(&command.output, &rendered.image, &provenance)
         .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))?;
+    write_whole(&command.output, &mut |out| out.write_all(&bytes))
+        .map_err(|error| unwritable(&command.output, &error))?;
     if command.findings.format == Format::Json {
         let facts: BTreeMap<&str, &str> =
             rendered.facts.iter().map(|(name, value)| (name.as_str(), value.as_str())).collect();
@@ -104,20 +108,36 @@ fn check_output(command: &Render) -> Result<(), Failure> {
         return Err(usage(format!("{} is no EXR file", path.display()))
             .help("images are written as linear 32-bit EXR: end the name in `.exr`"));
     }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    std::fs::create_dir_all(folder).map_err(|error| usage(format!("{}: {error}", folder.display())))?;
-    let Ok(meta) = std::fs::metadata(path) else { return Ok(()) };
-    if meta.is_dir() {
-        return Err(usage(format!("{} is a folder", path.display())));
+    let log = log_of(command);
+    let scene = |path: &Path| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("lts"));
+    if scene(&log) || log == *path {
+        return Err(usage(format!("{} is no place for a log", log.display())).help("end its name in `.log`"));
     }
-    // An image that ltsc rendered may be rendered anew; anything else is someone's work.
-    let ours = ltsc_render::image::read(path)
-        .is_ok_and(|(_, attributes)| attributes.iter().any(|(name, _)| name == "ltsc:version"));
-    if ours || command.force {
-        return Ok(());
+    // It may have taken hours, with more samples than now.
+    match std::fs::symlink_metadata(path) {
+        Ok(meta) if meta.is_dir() => return Err(usage(format!("{} is a folder", path.display()))),
+        Ok(_) if !command.force => {
+            return Err(usage(format!("{} is there", path.display()))
+                .help("choose another name, or add `--force` to write over it"));
+        }
+        _ => {}
     }
-    Err(usage(format!("{} is there, and ltsc did not render it", path.display()))
-        .help("choose another name, or add `--force`"))
+    check_log(&log, command.force)?;
+    for path in [path, &log] {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        std::fs::create_dir_all(folder).map_err(|error| usage(format!("{}: {error}", folder.display())))?;
+    }
+    Ok(())
+}
+
+/// Where the log goes.
+fn log_of(command: &Render) -> PathBuf {
+    let beside = || {
+        let mut name = command.output.clone().into_os_string();
+        name.push(".log");
+        PathBuf::from(name)
+    };
+    command.log.clone().unwrap_or_else(beside)
 }
 
 /// Refuses an algorithm that the renderer lacks: an image of another one would be taken for what was asked.
@@ -143,20 +163,19 @@ fn check_algorithm(driver: &Driver, scene: &Scene) -> Result<(), Failure> {
     }))
 }
 
-fn request(command: &Render, driver: &'static Driver, scene: &One, folder: &Path) -> RenderRequest {
+fn request(
+    command: &Render,
+    driver: &'static Driver,
+    scene: &One,
+    (executable, folder, log): (Option<PathBuf>, &Path, &Path),
+) -> RenderRequest {
     let film = &scene.scene.film;
     let (samples, seed) = (scene.scene.sampler.samples(), scene.scene.sampler.seed());
     let env = Env::of_process();
     let cache = CachePaths::find(&env);
-    let beside = || {
-        let mut name = command.output.clone().into_os_string();
-        name.push(".log");
-        PathBuf::from(name)
-    };
-    let log = command.log.clone().unwrap_or_else(beside);
     let size = (film.width as usize, film.height as usize);
     RenderRequest {
-        executable: command.executable.clone().or_else(|| scene.project.executables.get(driver.name).cloned()),
+        executable,
         env,
         cache,
         main_file: driver.main_file.replace("SCENE", &scene.scene.name),
@@ -164,8 +183,7 @@ fn request(command: &Render, driver: &'static Driver, scene: &One, folder: &Path
         seed,
         threads: command.threads.map(|threads| threads as usize),
         timeout: command.timeout.map(Duration::from_secs),
-        cancel: Some(Arc::new(AtomicBool::new(false))),
-        ..RenderRequest::new(driver, folder.to_path_buf(), size, log)
+        ..RenderRequest::new(driver, folder.to_path_buf(), size, log.to_path_buf())
     }
 }
 

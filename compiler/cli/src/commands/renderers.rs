@@ -8,14 +8,16 @@ use serde_json::json;
 
 use crate::args::{Format, Renderers, RenderersAction};
 use crate::output::{Exit, Failure};
-use crate::project::Project;
+use crate::project::{FILE, Project};
 use crate::terminal::{self, Bar};
+use crate::trust;
 
 use super::render::find_driver;
 
 pub fn run(command: &Renderers) -> Result<Exit, Failure> {
     match &command.action {
         RenderersAction::List { format } => list(*format),
+        RenderersAction::Trust => trust_named(),
         RenderersAction::Install { names, force } => install_all(names, *force),
     }
 }
@@ -26,11 +28,18 @@ fn list(format: Format) -> Result<Exit, Failure> {
     let mut rows = Vec::new();
     let mut text = String::new();
     // What the project names comes before what there is without it.
-    let named = Project::here().map(|project| project.executables).unwrap_or_default();
+    let here = project()?;
     for driver in DRIVERS {
-        let (word, version, path, detail) = match named.get(driver.name) {
-            Some(path) => {
-                let search = Search { env: &env, cache: cache.as_ref(), given: None, configured: Some(path) };
+        let named = here.as_ref().and_then(|project| Some((project, project.programs.get(driver.name)?)));
+        let (word, version, path, detail) = match named {
+            Some((project, path)) if !trust::is_trusted(&project.root, path) => {
+                let detail =
+                    format!("{}, named by {FILE} and not run: `ltsc renderers trust` allows it", path.display());
+                ("not trusted", String::new(), Some(path.clone()), detail)
+            }
+            Some((_, path)) => {
+                let (cache, configured) = (cache.as_ref(), Some(path.as_path()));
+                let search = Search { env: &env, cache, given: None, configured, until: None };
                 match find(driver, &search) {
                     Ok(found) => ("configured", found.version, Some(found.path), String::new()),
                     Err(error) => ("not working", String::new(), Some(path.clone()), error.tail().join("; ")),
@@ -65,6 +74,31 @@ fn list(format: Format) -> Result<Exit, Failure> {
         terminal::print(&format!("{:#}\n", json!({ "renderers": rows })));
     } else {
         terminal::print(&text);
+    }
+    Ok(Exit::Done)
+}
+
+/// The project of the current folder, if it is one. One that cannot be read is an error.
+fn project() -> Result<Option<Project>, Failure> {
+    match Project::here() {
+        Ok(project) => Ok(Some(project)),
+        Err(failure) if failure.exit == Exit::Usage => Ok(None),
+        Err(failure) => Err(failure),
+    }
+}
+
+/// Lets the programs that the project names be run from now on.
+fn trust_named() -> Result<Exit, Failure> {
+    let project = Project::here()?;
+    let file = project.root.join(FILE);
+    if project.programs.is_empty() {
+        terminal::say(&format!("{} names no program", file.display()));
+        return Ok(Exit::Done);
+    }
+    trust::trust(&project.root, project.programs.values().cloned())
+        .map_err(|error| Failure::new(Exit::Environment, format!("this cannot be remembered: {error}")))?;
+    for (name, program) in &project.programs {
+        terminal::say(&format!("{name}: {} is run from now on where {} names it", program.display(), file.display()));
     }
     Ok(Exit::Done)
 }

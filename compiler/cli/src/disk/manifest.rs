@@ -1,13 +1,16 @@
 //! Which files of a folder are ours, and what stood in them.
 
 use std::collections::BTreeMap;
-use std::fs;
 use std::path::Path;
 
+use ltsc_render::regular;
 use serde::{Deserialize, Serialize};
 
 /// The name of the file that says which files of a folder are ours.
 pub const MANIFEST: &str = "manifest.json";
+
+/// More than the manifest of a million files.
+const LARGEST: u64 = 1 << 30;
 
 /// Which files a folder holds, by path below it, and their content.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -23,7 +26,7 @@ pub struct Manifest {
 impl Manifest {
     /// The manifest of a folder; none where there is none of ours.
     pub fn read(folder: &Path) -> Option<Self> {
-        let bytes = fs::read(folder.join(MANIFEST)).ok()?;
+        let bytes = regular::read(&folder.join(MANIFEST), LARGEST).ok()?;
         let manifest: Self = serde_json::from_slice(&bytes).ok()?;
         (manifest.generator == "ltsc").then_some(manifest)
     }

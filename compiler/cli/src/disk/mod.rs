@@ -1,6 +1,10 @@
-//! The disk: what is read lies below a root, what is written appears as a whole.
+//! The disk: what is read lies below a root, what is written appears as a whole, and what ltsc did not write is not touched.
+//!
+//! Three forms: a folder of our own ([`DiskSink`]), files of ours among others ([`Pages`]), one file ([`write_whole`], [`Log`]).
 
+mod log;
 mod manifest;
+mod pages;
 mod read;
 mod rewrite;
 mod sink;
@@ -8,8 +12,10 @@ mod staging;
 #[cfg(test)]
 mod tests;
 
+pub use log::{Log, check as check_log};
 pub use manifest::{MANIFEST, Manifest};
+pub use pages::{Done, Pages, not_ours};
 pub use read::{Changed, DiskFiles};
 pub use rewrite::rewrite;
-pub use sink::{Changes, DiskSink, unwritable, write_atomically};
-pub use staging::{STAGING, Staging, left_over};
+pub use sink::{Changes, DiskSink, unwritable};
+pub use staging::{STAGING, Staging, left_over, write_whole};

@@ -1,11 +1,12 @@
 //! [`DiskFiles`] reads below a root, and never outside of it.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs::{self, File};
+use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use ltsc_core::files::{Bytes, Files, ReadError, VPath};
+use ltsc_render::regular;
 use memmap2::Mmap;
 
 /// Files of this size and more are mapped, smaller ones read: a map costs more than a short copy.
@@ -52,32 +53,26 @@ impl Files for DiskFiles {
         if !real.starts_with(&self.root) {
             return Err(ReadError::Outside);
         }
-        let meta = fs::metadata(&real).map_err(other)?;
-        if !meta.is_file() {
-            return Err(ReadError::Other(
-                if meta.is_dir() { "it is a folder" } else { "it is no regular file" }.to_owned(),
-            ));
-        }
-        let size = meta.len();
-        if size > limit {
-            return Err(ReadError::TooLarge { size, limit });
-        }
-        bytes_of(&real, size, limit).map_err(other)
+        bytes_of(&real, limit)
     }
 }
 
-/// The bytes of a file of `size` bytes: mapped where that is worth it.
-pub(super) fn bytes_of(path: &Path, size: u64, limit: u64) -> io::Result<Bytes> {
-    let file = File::open(path)?;
+/// The bytes of a file that is there: mapped where that is worth it.
+pub(super) fn bytes_of(path: &Path, limit: u64) -> Result<Bytes, ReadError> {
+    let other = |error: io::Error| ReadError::Other(error.to_string());
+    let (file, size) = regular::open(path).map_err(other)?;
+    if size > limit {
+        return Err(ReadError::TooLarge { size, limit });
+    }
     if size < MAP_FROM {
         let mut bytes = Vec::with_capacity(size as usize);
-        file.take(limit).read_to_end(&mut bytes)?;
+        file.take(limit).read_to_end(&mut bytes).map_err(other)?;
         return Ok(Bytes::new(bytes));
     }
     #[expect(unsafe_code, reason = "memory maps are unsafe: another process could cut the file while it is read")]
     // SAFETY: the map is read-only and private to this process. A file that shrinks under it ends the process with a
     // bus error, as it does in the renderers that map their meshes; ltsc never writes a file that it reads.
-    let map = unsafe { Mmap::map(&file) }?;
+    let map = unsafe { Mmap::map(&file) }.map_err(other)?;
     Ok(Bytes::new(map))
 }
 

@@ -8,6 +8,8 @@ use std::sync::Arc;
 
 use ltsc_core::files::{Bytes, Files, ReadError, Sink, VPath};
 
+use ltsc_render::{guard, regular};
+
 use super::manifest::{MANIFEST, Manifest};
 use super::read::{beside, bytes_of};
 use super::staging::{Staging, files_below};
@@ -24,6 +26,8 @@ pub struct Changes {
     pub removed: Vec<String>,
     /// No longer part of the scene, but someone has changed them since they were written, so that they stay.
     pub kept: Vec<String>,
+    /// Written anew, though someone had changed them since they were written; a folder that people may work in refuses that.
+    pub restored: Vec<String>,
 }
 
 impl Changes {
@@ -54,6 +58,12 @@ pub struct DiskSink {
     /// Where new files lie; none as long as there are none.
     stage: Option<PathBuf>,
     force: bool,
+    /// Whether people may work in the folder: what they have changed there is not written over.
+    shared: bool,
+    /// What the folder held when it was written last.
+    before: Manifest,
+    /// Files to write in the place of which there is something that ltsc did not write.
+    foreign: Vec<String>,
     manifest: Manifest,
     changes: Changes,
     /// New files, by path below the folder.
@@ -61,15 +71,18 @@ pub struct DiskSink {
 }
 
 impl DiskSink {
-    /// Writes below `folder`; with `check` nothing is written. A folder with files of someone else's is refused unless
-    /// `force`.
+    /// Writes below `folder`, in which people may work; with `check` nothing is written. What ltsc did not write, or not as it is
+    /// now, is not written over unless `force`.
     pub fn new(folder: &Path, scene: &str, check: bool, force: bool) -> io::Result<Self> {
         refuse(folder, check, force)?;
         let place = if check { Place::Nowhere } else { place_of(folder)? };
-        Ok(Self::at(folder, scene, place, force))
+        let mut sink = Self::at(folder, scene, place, force);
+        sink.shared = true;
+        Ok(sink)
     }
 
-    /// The same for one of several folders with one place for what is not ready; nothing is written without it.
+    /// Writes one of several folders with one place for what is not ready; nothing is written without it. These folders are all ours:
+    /// files that were changed are written anew, and told.
     pub fn among(staging: Option<&Arc<Staging>>, folder: &Path, scene: &str, force: bool) -> io::Result<Self> {
         refuse(folder, staging.is_none(), force)?;
         let place = staging.map_or(Place::Nowhere, |staging| Place::Beside(Arc::clone(staging)));
@@ -85,14 +98,18 @@ impl DiskSink {
         let manifest = Manifest { generator: "ltsc".to_owned(), scene: scene.to_owned(), ..Manifest::default() };
         let folder = folder.to_path_buf();
         let (changes, staged) = (Changes::default(), BTreeSet::new());
-        Self { folder, place, stage: None, force, manifest, changes, staged }
+        let before = match &place {
+            Place::Own => Manifest::default(),
+            _ => Manifest::read(&folder).unwrap_or_default(),
+        };
+        let (stage, shared, foreign) = (None, false, Vec::new());
+        Self { folder, place, stage, force, shared, before, foreign, manifest, changes, staged }
     }
 
     /// Leaves files that `keep` says yes to as the last writing left them.
     pub fn keep(&mut self, keep: impl Fn(&str) -> bool) {
-        let before = Manifest::read(&self.folder).unwrap_or_default();
-        let kept = before.files.into_iter().filter(|(path, _)| keep(path));
-        self.manifest.files.extend(kept);
+        let kept = self.before.files.iter().filter(|(path, _)| keep(path));
+        self.manifest.files.extend(kept.map(|(path, hash)| (path.clone(), hash.clone())));
     }
 
     /// A sink for a folder inside this one.
@@ -120,7 +137,8 @@ impl DiskSink {
     /// Ends the folder: what is new takes its place, those files that were ours and are no longer part of it go, and the manifest says
     /// what is ours now.
     pub fn finish(mut self) -> io::Result<Changes> {
-        let before = Manifest::read(&self.folder).unwrap_or_default();
+        self.refuse_foreign()?;
+        let before = std::mem::take(&mut self.before);
         for (path, hash) in before.files.iter().filter(|(path, _)| !self.manifest.files.contains_key(*path)) {
             // A manifest is a file like any other: it must not lead out of the folder.
             let Ok(inside) = VPath::resolve("", path) else { continue };
@@ -134,7 +152,7 @@ impl DiskSink {
             }
         }
         let bytes = self.manifest.bytes();
-        if !fs::read(self.folder.join(MANIFEST)).is_ok_and(|old| old == bytes) {
+        if !regular::read(&self.folder.join(MANIFEST), bytes.len() as u64).is_ok_and(|old| old == bytes) {
             self.changes.written.push(MANIFEST.to_owned());
         }
         if !self.changes.is_empty() && !matches!(self.place, Place::Nowhere) {
@@ -143,6 +161,32 @@ impl DiskSink {
             self.settle(&stage)?;
         }
         Ok(std::mem::take(&mut self.changes))
+    }
+
+    /// Notices what is in the place of a file that is to be written.
+    fn notice(&mut self, path: &str, full: &Path) {
+        if matches!(self.place, Place::Own) || fs::symlink_metadata(full).is_err() {
+            return;
+        }
+        match self.before.files.get(path) {
+            None => self.foreign.push(path.to_owned()),
+            Some(hash) if hash_of(full).as_ref() != Some(hash) => self.changes.restored.push(path.to_owned()),
+            Some(_) => {}
+        }
+    }
+
+    /// Refuses to write over what ltsc did not write, and in a folder in which people work also what was changed there.
+    fn refuse_foreign(&self) -> io::Result<()> {
+        let changed = if self.shared { &self.changes.restored[..] } else { &[] };
+        if self.force || matches!(self.place, Place::Nowhere) {
+            return Ok(());
+        }
+        let message = match (self.foreign.first(), changed.first()) {
+            (Some(path), _) => format!("`{path}` is there, and ltsc did not write it"),
+            (None, Some(path)) => format!("`{path}` was changed since ltsc wrote it"),
+            (None, None) => return Ok(()),
+        };
+        Err(io::Error::new(io::ErrorKind::AlreadyExists, message))
     }
 
     /// Brings the new folder to its place.
@@ -170,6 +214,7 @@ impl DiskSink {
 
     /// Gives the new folder all that stays: our files that are the same, and everything of someone else's.
     fn carry(&self, stage: &Path) -> io::Result<()> {
+        guard::stop_if_ending();
         let removed: BTreeSet<&Path> = self.changes.removed.iter().map(Path::new).collect();
         for path in files_below(&self.folder)? {
             let new = path.to_str().is_some_and(|path| self.staged.contains(path)) || path == Path::new(MANIFEST);
@@ -210,9 +255,11 @@ impl Sink for DiskSink {
             return Ok(());
         }
         self.changes.written.push(path.to_owned());
+        self.notice(path, &full);
         if matches!(self.place, Place::Nowhere) {
             return Ok(());
         }
+        guard::stop_if_ending();
         let new = self.stage()?.join(path);
         fs::create_dir_all(new.parent().unwrap_or(&self.folder))?;
         let mut out = BufWriter::with_capacity(1 << 18, File::create(&new)?);
@@ -232,12 +279,7 @@ impl Files for DiskSink {
             return Err(ReadError::Missing { beside: beside(&full) });
         }
         let place = staged.map_or(full, |stage| stage.join(path.as_str()));
-        let other = |error: io::Error| ReadError::Other(error.to_string());
-        let size = fs::metadata(&place).map_err(other)?.len();
-        if size > limit {
-            return Err(ReadError::TooLarge { size, limit });
-        }
-        bytes_of(&place, size, limit).map_err(other)
+        bytes_of(&place, limit)
     }
 }
 
@@ -298,13 +340,19 @@ pub(super) fn is_removable(top: &Path, path: &str, hash: &str) -> bool {
     if refuse_links(top, &full).is_err() || !fs::symlink_metadata(&full).is_ok_and(|meta| meta.is_file()) {
         return false;
     }
+    hash_of(&full).is_some_and(|found| found == hash)
+}
+
+/// BLAKE3 of a regular file.
+fn hash_of(path: &Path) -> Option<String> {
     let mut hasher = blake3::Hasher::new();
-    let read = File::open(&full).and_then(|mut file| io::copy(&mut file, &mut hasher));
-    read.is_ok() && hasher.finalize().to_hex().as_str() == hash
+    let (mut file, _) = regular::open(path).ok()?;
+    io::copy(&mut file, &mut hasher).ok()?;
+    Some(hasher.finalize().to_hex().to_string())
 }
 
 /// Links to folders inside an output folder would lead out of it.
-fn refuse_links(top: &Path, file: &Path) -> io::Result<()> {
+pub(super) fn refuse_links(top: &Path, file: &Path) -> io::Result<()> {
     let inner = file.ancestors().skip(1).take_while(|folder| *folder != top && folder.starts_with(top));
     for folder in inner {
         if fs::symlink_metadata(folder).is_ok_and(|meta| meta.file_type().is_symlink()) {
@@ -357,36 +405,6 @@ impl Sink for Below<'_> {
     }
 }
 
-/// Writes a file of ours under another name in its folder and renames it.
-pub fn write_atomically(path: &Path, write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    fs::create_dir_all(folder)?;
-    let temporary = tempfile::Builder::new().prefix(".ltsc-").permissions_of_files().tempfile_in(folder)?;
-    let mut out = BufWriter::with_capacity(1 << 18, temporary);
-    write(&mut out)?;
-    let done = out.into_inner().map_err(io::IntoInnerError::into_error)?;
-    done.persist(path).map(|_| ()).map_err(|error| error.error)
-}
-
-/// Temporary files are private; the files that they become are as any other new file.
-trait PermissionsOfFiles {
-    fn permissions_of_files(&mut self) -> &mut Self;
-}
-
-impl PermissionsOfFiles for tempfile::Builder<'_, '_> {
-    #[cfg(unix)]
-    fn permissions_of_files(&mut self) -> &mut Self {
-        use std::os::unix::fs::PermissionsExt;
-        // The process's mask takes away from these what it takes away from every new file.
-        self.permissions(fs::Permissions::from_mode(0o666))
-    }
-
-    #[cfg(not(unix))]
-    fn permissions_of_files(&mut self) -> &mut Self {
-        self
-    }
-}
-
 /// Compares what is written with a file, and hashes it.
 struct Compare {
     old: Option<BufReader<File>>,
@@ -397,9 +415,9 @@ struct Compare {
 impl Compare {
     /// What is no regular file differs from everything, and is not opened: a pipe would wait for ever.
     fn new(path: &Path) -> Self {
-        let regular = fs::symlink_metadata(path).is_ok_and(|meta| meta.is_file());
-        let old = regular.then(|| File::open(path).ok()).flatten();
-        let old = old.map(|file| BufReader::with_capacity(1 << 18, file));
+        let is_file = fs::symlink_metadata(path).is_ok_and(|meta| meta.is_file());
+        let old = is_file.then(|| regular::open(path).ok()).flatten();
+        let old = old.map(|(file, _)| BufReader::with_capacity(1 << 18, file));
         Self { old, buffer: Vec::new(), hasher: blake3::Hasher::new() }
     }
 

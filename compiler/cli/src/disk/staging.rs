@@ -7,9 +7,13 @@
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
+
+use ltsc_render::guard::{self, Held};
+use ltsc_render::regular;
 
 use super::manifest::{MANIFEST, Manifest};
 use super::sink::is_removable;
@@ -44,6 +48,7 @@ pub struct Staging {
     next: AtomicU64,
     /// Folders that were not there before, the outermost first.
     made: Vec<PathBuf>,
+    _held: Held,
 }
 
 impl Staging {
@@ -56,9 +61,16 @@ impl Staging {
             .map(PathBuf::from)
             .collect();
         made.reverse();
+        let mine = Arc::new(AtomicBool::new(false));
+        let undo = {
+            let (place, made, mine) = (around.to_path_buf(), made.clone(), Arc::clone(&mine));
+            move || put_back(&place, &made, &mine)
+        };
+        let ((), held) = guard::hold(|| Ok(()), |()| undo)?;
         fs::create_dir_all(around)?;
         let lock = locked(around)?;
-        let staging = Self { around: around.to_path_buf(), _lock: lock, next: AtomicU64::new(0), made };
+        mine.store(true, Ordering::SeqCst);
+        let staging = Self { around: around.to_path_buf(), _lock: lock, next: AtomicU64::new(0), made, _held: held };
         staging.recover()?;
         Ok(staging)
     }
@@ -69,6 +81,7 @@ impl Staging {
 
     /// A new empty folder here.
     pub(super) fn stage(&self) -> io::Result<PathBuf> {
+        guard::stop_if_ending();
         let stage = self.folder().join(self.next.fetch_add(1, Ordering::Relaxed).to_string());
         fs::create_dir(&stage)?;
         Ok(stage)
@@ -76,10 +89,12 @@ impl Staging {
 
     /// Lets a folder made by [`Staging::stage`] take the place of `folder`, and removes the one that was there.
     pub(super) fn replace(&self, stage: &Path, folder: &Path) -> io::Result<()> {
+        let moving = moving();
         if fs::symlink_metadata(folder).is_err() {
             return fs::rename(stage, folder);
         }
         if exchange(stage, folder)? {
+            drop(moving);
             return fs::remove_dir_all(stage);
         }
         let name = folder.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
@@ -95,8 +110,19 @@ impl Staging {
     /// Moves the files of a folder made by [`Staging::stage`] into `around` itself, which cannot be replaced: the folder in which a
     /// shell stands. A run that is killed here is continued by the next one.
     pub(super) fn pour(&self, stage: &Path) -> io::Result<()> {
+        let _moving = moving();
         fs::rename(stage, self.folder().join(READY))?;
         self.pour_ready()
+    }
+
+    /// Makes one file at `to`, which lies below `around`, by a function that is told where to write it: it appears as a whole.
+    pub fn put<E: From<io::Error>>(&self, to: &Path, make: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
+        let stage = self.stage()?;
+        let new = stage.join("file");
+        make(&new)?;
+        let _moving = moving();
+        fs::rename(&new, to)?;
+        Ok(fs::remove_dir(&stage)?)
     }
 
     fn pour_ready(&self) -> io::Result<()> {
@@ -143,28 +169,70 @@ impl Staging {
 impl Drop for Staging {
     /// Leaves nothing behind. What cannot be removed is removed by the next run.
     fn drop(&mut self) {
-        let folder = self.folder();
-        for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
-            let name = entry.file_name();
-            if name != LOCK && name != IGNORE {
-                let _gone = fs::remove_dir_all(entry.path());
-            }
+        clean(&self.around, &self.made);
+    }
+}
+
+fn clean(around: &Path, made: &[PathBuf]) {
+    let folder = around.join(STAGING);
+    for entry in fs::read_dir(&folder).into_iter().flatten().flatten() {
+        let name = entry.file_name();
+        if name != LOCK && name != IGNORE {
+            let _gone = fs::remove_dir_all(entry.path());
         }
-        // Who waits for the lock sees that its file is another one, and begins anew.
-        for name in [IGNORE, LOCK] {
-            let _gone = fs::remove_file(folder.join(name));
-        }
-        let _gone = fs::remove_dir(&folder);
-        // Fails where something was written.
-        for folder in self.made.iter().rev() {
-            let _kept = fs::remove_dir(folder);
+    }
+    // Who waits for the lock sees that its file is another one, and begins anew.
+    for name in [IGNORE, LOCK] {
+        let _gone = fs::remove_file(folder.join(name));
+    }
+    let _gone = fs::remove_dir(&folder);
+    // Fails where something was written.
+    for folder in made.iter().rev() {
+        let _kept = fs::remove_dir(folder);
+    }
+}
+
+/// What [`Staging`] does when it is dropped, where a signal ends the process first.
+fn put_back(around: &Path, made: &[PathBuf], mine: &AtomicBool) {
+    // Nothing is moved from here on, so that nothing is half moved.
+    std::mem::forget(moving());
+    if !mine.load(Ordering::SeqCst) && !left_over(around) {
+        return;
+    }
+    // Other threads may be about to write a last file.
+    for _ in 0..20 {
+        clean(around, made);
+        thread::sleep(Duration::from_millis(10));
+        if !around.join(STAGING).exists() {
+            return;
         }
     }
 }
 
+/// Held while names change, so that a signal does not come in between.
+fn moving() -> MutexGuard<'static, ()> {
+    static MOVING: Mutex<()> = Mutex::new(());
+    MOVING.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Makes one file by a function that is told where to write it: it appears as a whole, in the place of whatever is there.
+fn put<E: From<io::Error>>(path: &Path, make: impl FnOnce(&Path) -> Result<(), E>) -> Result<(), E> {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    Staging::of(folder)?.put(path, make)
+}
+
+/// The same from a stream.
+pub fn write_whole(path: &Path, write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    put(path, |new| {
+        let mut out = io::BufWriter::with_capacity(1 << 18, File::create(new)?);
+        write(&mut out)?;
+        out.into_inner().map(|_| ()).map_err(io::IntoInnerError::into_error)
+    })
+}
+
 /// Whether a killed run has left something in `around`. Where another process is writing there, nothing is left over yet.
 pub fn left_over(around: &Path) -> bool {
-    let Ok(lock) = File::open(around.join(STAGING).join(LOCK)) else { return around.join(STAGING).is_dir() };
+    let Ok((lock, _)) = regular::open(&around.join(STAGING).join(LOCK)) else { return around.join(STAGING).is_dir() };
     lock.try_lock().is_ok()
 }
 
@@ -173,6 +241,7 @@ fn locked(around: &Path) -> io::Result<Option<File>> {
     let folder = around.join(STAGING);
     let (start, mut said) = (Instant::now(), false);
     for _ in 0..TRIES {
+        guard::stop_if_ending();
         match fs::create_dir(&folder) {
             Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
             _ => {}

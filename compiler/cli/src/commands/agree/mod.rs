@@ -12,11 +12,12 @@ use ltsc_core::ledger::Ledger;
 use ltsc_core::pipeline;
 use ltsc_core::valid::Valid;
 use ltsc_render::compare::verdict::{self, Outcome, Tolerance};
-use ltsc_render::image::{Image, Provenance, read, reduce, write_exr};
+use ltsc_render::image::{Image, Provenance, exr_bytes, read, reduce};
 use ltsc_render::run::{Driver, Rendered};
 use serde_json::json;
 
 use crate::args::{Agree, Format};
+use crate::disk::{not_ours, unwritable, write_whole};
 use crate::output::{Exit, Failure};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
@@ -58,6 +59,9 @@ pub fn run(command: &Agree) -> Result<Exit, Failure> {
         return Err(Failure::new(Exit::Usage, format!("{} is no folder", folder.display()))
             .help("`--reference` names the folder of the images"));
     }
+    if let Some(record) = &command.record {
+        page::check(record, command.force)?;
+    }
     let (mut rows, mut exit, mut scenes) = (Vec::new(), Exit::Done, 0);
     for (project, files) in all_files_of(&command.scenes)? {
         for file in &files {
@@ -77,7 +81,7 @@ pub fn run(command: &Agree) -> Result<Exit, Failure> {
             .help("install a second renderer, or give images by `--reference`"));
     }
     if let Some(record) = &command.record {
-        page::record(record, &rows)?;
+        page::record(record, &rows, command.force)?;
     }
     if command.format == Format::Json {
         let rows: Vec<serde_json::Value> = rows.iter().map(|row| json!(row)).collect();
@@ -122,7 +126,7 @@ fn scene_rows(
     let mut made: Vec<Made> = reference(command, scene)?.into_iter().collect();
     for driver in drivers {
         let named = !command.renderer.is_empty();
-        if !is_there(driver, project) {
+        if !is_there(driver, project, Duration::from_secs(command.timeout))? {
             let message = format!("{} is not there", driver.name);
             if named {
                 return Err(
@@ -206,7 +210,7 @@ fn images(command: &Agree, project: &Project, scene: &Valid, driver: &'static Dr
     let mut images = Vec::new();
     let mut bar = Bar::new(u64::from(command.seeds), &what);
     let timeout = Some(Duration::from_secs(command.timeout));
-    let runner = Runner { timeout, ..Runner::find(driver, None, Some(project))? };
+    let runner = Runner::find(driver, None, Some(project), timeout)?;
     let job = Job::new(scene, &runner)?;
     for seed in 0..command.seeds {
         let seed = command.first_seed + seed;
@@ -216,6 +220,10 @@ fn images(command: &Agree, project: &Project, scene: &Valid, driver: &'static Dr
             .as_ref()
             .map(|folder| folder.join(&scene.name).join(format!("{}-{seed}-{}.exr", driver.name, &key[..12])));
         let known = kept.as_deref().and_then(|file| known(file, &key));
+        // The name has the key, so that what is there under it is no image of ours.
+        if let Some(file) = kept.as_deref().filter(|file| known.is_none() && !command.force && is_there_at(file)) {
+            return Err(not_ours(&[file.to_path_buf()]));
+        }
         let (image, version, seconds) = match known {
             Some(known) => known,
             None => {
@@ -260,10 +268,13 @@ fn stated(scene: &Scene, driver: &Driver) -> Result<Vec<Stated>, Failure> {
 
 fn keep(file: &Path, image: &Image, provenance: &Provenance) -> Result<(), Failure> {
     let folder = file.parent().unwrap_or(Path::new("."));
-    fs::create_dir_all(folder)
-        .map_err(|error| Failure::new(Exit::Environment, format!("{}: {error}", folder.display())))?;
-    write_exr(file, image, provenance)
-        .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))
+    let bytes = exr_bytes(file, image, provenance)
+        .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))?;
+    write_whole(file, &mut |out| out.write_all(&bytes)).map_err(|error| unwritable(folder, &error))
+}
+
+fn is_there_at(file: &Path) -> bool {
+    fs::symlink_metadata(file).is_ok()
 }
 
 /// An image rendered before, with its renderer's version and time, if it has this key.

@@ -1,13 +1,13 @@
 //! What agreed: a record in JSON, into which each run puts its rows, and the page made from it.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use ltsc_render::compare::verdict::{Cell, Outcome, Verdict};
+use ltsc_render::regular;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::disk::{unwritable, write_atomically};
+use crate::disk::Pages;
 use crate::output::{Exit, Failure};
 
 /// One side of a comparison.
@@ -172,7 +172,7 @@ pub fn beside(record: &Path) -> PathBuf {
 }
 
 fn load(record: &Path) -> Result<Vec<Row>, Failure> {
-    let text = match fs::read_to_string(record) {
+    let text = match regular::read_text(record, regular::TEXT) {
         Ok(text) => text,
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
         Err(error) => return Err(Failure::new(Exit::Input, format!("{}: {error}", record.display()))),
@@ -188,20 +188,50 @@ fn load(record: &Path) -> Result<Vec<Row>, Failure> {
 }
 
 /// Puts rows into a record, in the place of older ones of the same comparison, and writes its page anew.
-pub fn record(record: &Path, new: &[Row]) -> Result<(), Failure> {
-    if record.extension().is_none_or(|ending| ending != "json") {
-        return Err(Failure::new(Exit::Usage, format!("{} is no JSON file", record.display()))
-            .help("end the name in `.json`; the page is written beside it"));
-    }
+pub fn record(record: &Path, new: &[Row], force: bool) -> Result<(), Failure> {
+    let ours = is_as_recorded(record);
     let mut rows = load(record)?;
     rows.retain(|row| new.iter().all(|other| other.key() != row.key()));
     rows.extend_from_slice(new);
     rows.sort_by(|one, other| one.key().cmp(&other.key()));
-    let failed = |error: std::io::Error| unwritable(record, &error);
-    let text = format!("{:#}\n", json!({ "rows": rows }));
-    write_atomically(record, &mut |out| out.write_all(text.as_bytes())).map_err(failed)?;
-    let page = page(&rows);
-    write_atomically(&beside(record), &mut |out| out.write_all(page.as_bytes())).map_err(failed)
+    let (folder, names) = place_of(record)?;
+    let mut pages = Pages::new(folder, BY);
+    let [data, text] = names;
+    pages.put_merged(data, format!("{:#}\n", json!({ "rows": rows })));
+    if ours {
+        pages.put_merged(text, page(&rows))
+    } else {
+        pages.put(text, page(&rows))
+    }
+    // There may be other records in the folder.
+    pages.keep(|_| true);
+    pages.finish(false, force).map(|_| ())
+}
+
+/// What the record of pages says of who wrote them.
+const BY: &str = "agree";
+
+/// The folder of a record, and the names of its file and its page there.
+fn place_of(record: &Path) -> Result<(&Path, [String; 2]), Failure> {
+    if record.extension().is_none_or(|ending| ending != "json") {
+        return Err(Failure::new(Exit::Usage, format!("{} is no JSON file", record.display()))
+            .help("end the name in `.json`; the page is written beside it"));
+    }
+    let folder = record.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let name = |path: &Path| path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    Ok((folder, [name(record), name(&beside(record))]))
+}
+
+/// Refuses what [`record`] would refuse, before anything is rendered for it.
+pub fn check(record: &Path, force: bool) -> Result<(), Failure> {
+    let (folder, [_, page]) = place_of(record)?;
+    load(record)?;
+    if is_as_recorded(record) { Ok(()) } else { Pages::new(folder, BY).refuse(&page, force) }
+}
+
+/// Whether the page holds nothing but what the record says.
+fn is_as_recorded(record: &Path) -> bool {
+    record.is_file() && is_fresh(record).unwrap_or(false)
 }
 
 /// Whether the page is the one that the record makes.
@@ -210,7 +240,7 @@ pub fn is_fresh(record: &Path) -> Result<bool, Failure> {
         return Err(Failure::new(Exit::Input, format!("{} is missing", record.display())));
     }
     let page = page(&load(record)?);
-    Ok(fs::read_to_string(beside(record)).is_ok_and(|there| there.replace("\r\n", "\n") == page))
+    Ok(regular::read_text(&beside(record), regular::TEXT).is_ok_and(|there| there.replace("\r\n", "\n") == page))
 }
 
 fn page(rows: &[Row]) -> String {
@@ -268,6 +298,8 @@ fn line(row: &Row) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use ltsc_render::compare::verdict::{Channel, Tolerance};
 
     use super::*;
@@ -297,8 +329,8 @@ mod tests {
     fn newer_rows_take_the_place_of_older_ones() {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("agreement.json");
-        record(&file, &[row("ring", "luxcore", 1.01), row("cbox_classic", "luxcore", 1.0)]).expect("written");
-        record(&file, &[row("ring", "luxcore", 1.002), row("ring", "cycles", 1.0)]).expect("written");
+        record(&file, &[row("ring", "luxcore", 1.01), row("cbox_classic", "luxcore", 1.0)], false).expect("written");
+        record(&file, &[row("ring", "luxcore", 1.002), row("ring", "cycles", 1.0)], false).expect("written");
         let rows = load(&file).expect("a record");
         let known: Vec<_> = rows
             .iter()
@@ -322,8 +354,8 @@ mod tests {
         let folder = tempfile::tempdir().expect("a folder");
         let file = folder.path().join("agreement.json");
         fs::write(&file, "{\"other\": 1}").expect("written");
-        assert!(record(&file, &[]).is_err());
+        assert!(record(&file, &[], false).is_err());
         assert_eq!(fs::read_to_string(&file).expect("still there"), "{\"other\": 1}");
-        assert!(record(&folder.path().join("page.md"), &[]).is_err());
+        assert!(record(&folder.path().join("page.md"), &[], false).is_err());
     }
 }

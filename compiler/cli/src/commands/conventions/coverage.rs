@@ -1,7 +1,6 @@
 //! `ltsc conventions --coverage`: by what each answer of a target was measured, and which answers were not measured.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
 
 use ltsc_core::capability::{Feature, Support, features};
 use ltsc_core::formats::{TARGETS, Target};
@@ -119,9 +118,7 @@ struct KeptProof {
 }
 
 /// The file that keeps the proofs for the manual and `ltsc explain`, which have it built in.
-pub fn file(pages: &Path) -> PathBuf {
-    pages.join("coverage.json")
-}
+pub const FILE: &str = "coverage.json";
 
 /// Its text for what was measured.
 pub fn text(kept: &[Results], asked: &[Asked]) -> String {

@@ -21,10 +21,11 @@ use std::time::Duration;
 
 use ltsc_core::diag::nearest;
 use ltsc_core::formats::Target;
+use ltsc_render::regular;
 use ltsc_render::run::{Driver, RenderError};
 
 use crate::args::{Conventions, Format};
-use crate::disk::{unwritable, write_atomically};
+use crate::disk::Pages;
 use crate::output::{Exit, Failure};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
@@ -35,6 +36,9 @@ pub use coverage::built_in as measured_by;
 use judge::Verdict;
 use kinds::Convention;
 use results::{Asked, Results, Row, Unmeasured};
+
+/// The page, below the folder of pages.
+const PAGE: &str = "renderers.md";
 
 pub fn run(command: &Conventions) -> Result<Exit, Failure> {
     let chosen = chosen(&command.only)?;
@@ -47,7 +51,7 @@ pub fn run(command: &Conventions) -> Result<Exit, Failure> {
     }
     let drivers = command.renderer.iter().map(|name| find_driver(name)).collect::<Result<Vec<_>, _>>()?;
     if let (true, Some(pages)) = (command.stored, &command.output) {
-        return stored(pages, command.check);
+        return stored(pages, command);
     }
     if drivers.is_empty() {
         let known: Vec<&str> = ltsc_render::run::DRIVERS.iter().map(|driver| driver.name).collect();
@@ -59,6 +63,16 @@ pub fn run(command: &Conventions) -> Result<Exit, Failure> {
     }
     // All of them are looked for before the first one starts.
     let runners = drivers.iter().map(|driver| runner(command, driver)).collect::<Result<Vec<_>, _>>()?;
+    if let Some(folder) = &command.output {
+        let pages = Pages::new(folder, results::BY);
+        let files = runners.iter().filter_map(|runner| {
+            let version = runner.found.version.as_str();
+            Some(results::name(runner.driver.name, Some(version).filter(|version| !version.is_empty())?))
+        });
+        for name in files.chain([PAGE.to_owned(), coverage::FILE.to_owned()]) {
+            pages.refuse(&name, command.force)?;
+        }
+    }
     let asked = asked(&chosen)?;
     let mut all = Vec::new();
     for runner in &runners {
@@ -77,10 +91,10 @@ pub fn run(command: &Conventions) -> Result<Exit, Failure> {
             for line in report::moved(&kept, results) {
                 terminal::say(&line);
             }
-            let path = results::save(pages, &results.beside(&kept, &chosen))?;
+            let path = results::save(pages, &results.beside(&kept, &chosen), command.force)?;
             terminal::say(&format!("{} written", path.display()));
         }
-        stored(pages, false)?;
+        stored(pages, command)?;
     }
     let worst = all.iter().flat_map(|results| &results.rows).map(|row| row.verdict).max();
     Ok(if worst == Some(Verdict::Fails) { Exit::No } else { Exit::Done })
@@ -104,8 +118,9 @@ fn chosen(only: &[String]) -> Result<Vec<&'static Convention>, Failure> {
 
 fn runner(command: &Conventions, driver: &'static Driver) -> Result<Runner, Failure> {
     let project = Project::here().ok();
-    let found = Runner::find(driver, command.executable.as_deref(), project.as_ref())?;
-    Ok(Runner { threads: Some(command.threads as usize), timeout: Some(Duration::from_secs(command.timeout)), ..found })
+    let timeout = Some(Duration::from_secs(command.timeout));
+    let found = Runner::find(driver, command.executable.as_deref(), project.as_ref(), timeout)?;
+    Ok(Runner { threads: Some(command.threads as usize), ..found })
 }
 
 /// All views with their answers; what is wrong with a scene shows before the first one is rendered.
@@ -160,41 +175,29 @@ fn covered(pages: &Path, format: Format) -> Result<Exit, Failure> {
 }
 
 /// Judges what is kept again, and writes the page; with `check` only says what would change.
-fn stored(pages: &Path, check: bool) -> Result<Exit, Failure> {
+fn stored(pages: &Path, command: &Conventions) -> Result<Exit, Failure> {
+    let check = command.check;
     let all: Vec<&'static Convention> = table::all().collect();
     let asked = asked(&all)?;
     let mut kept = results::load(pages)?;
-    let mut stale = Vec::new();
+    let mut written = Pages::new(pages, results::BY);
     for results in &mut kept {
         let driver = find_driver(&results.renderer)?;
         let target = project::target(driver.target)?;
         let before = results::text(results);
         results.rows = again(&results.rows, &asked, (driver, target));
-        let after = results::text(results);
-        if before != after {
-            stale.push((results::file(pages, &results.renderer, &results.version), after));
-        }
+        let (name, after) = (results::name(&results.renderer, &results.version), results::text(results));
+        // Numbers that are judged as before stay as they are written.
+        let there = (before == after).then(|| regular::read_text(&pages.join(&name), regular::TEXT).ok()).flatten();
+        written.put_merged(name, there.unwrap_or(after));
     }
-    let path = pages.join("renderers.md");
-    let page = page::page(&kept, &asked)?;
-    if !std::fs::read(&path).is_ok_and(|there| there == page.as_bytes()) {
-        stale.push((path, page));
-    }
-    let (path, text) = (coverage::file(pages), coverage::text(&kept, &asked));
-    if !std::fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
-        stale.push((path, text));
-    }
-    for (path, text) in &stale {
-        if check {
-            terminal::print(&format!("stale: {}\n", path.display()));
-        } else {
-            write_atomically(path, &mut |out| out.write_all(text.as_bytes()))
-                .map_err(|error| unwritable(pages, &error))?;
-            terminal::print(&format!("{} written\n", path.display()));
-        }
-    }
-    let place = pages.display();
-    match (stale.is_empty(), check) {
+    written.put(PAGE, page::page(&kept, &asked)?);
+    written.put(coverage::FILE, coverage::text(&kept, &asked));
+    written.keep(|_| true);
+    let done = written.finish(check, command.force)?;
+    terminal::print(&done.lines(check));
+    let (place, fresh) = (pages.display(), done.count() == 0);
+    match (fresh, check) {
         (true, _) => terminal::say(&format!("{place}: nothing to do, all results and the page are up to date")),
         (false, true) => {
             terminal::say(&format!(
@@ -203,7 +206,7 @@ fn stored(pages: &Path, check: bool) -> Result<Exit, Failure> {
         }
         (false, false) => {}
     }
-    Ok(if check && !stale.is_empty() { Exit::No } else { Exit::Done })
+    Ok(if check && !fresh { Exit::No } else { Exit::Done })
 }
 
 /// The rows of the checks that were measured, judged by the table of today.

@@ -12,7 +12,9 @@ use serde::{Deserialize, Serialize};
 use super::judge::{Verdict, deviation, judge};
 use super::kinds::{Check, Convention, Expected, Measure, View};
 use super::{ideal, measure, noise, scene};
-use crate::disk::write_atomically;
+use ltsc_render::regular;
+
+use crate::disk::Pages;
 use crate::output::{Exit, Failure};
 
 /// What came of all conventions with one renderer.
@@ -173,10 +175,13 @@ pub fn folder(pages: &Path) -> PathBuf {
     pages.join("renderers")
 }
 
-/// The file of a renderer and version.
-pub fn file(pages: &Path, renderer: &str, version: &str) -> PathBuf {
+/// What the record of pages says of who wrote them.
+pub const BY: &str = "conventions";
+
+/// The file of a renderer and version, below the folder of pages.
+pub fn name(renderer: &str, version: &str) -> String {
     let safe: String = version.chars().map(|c| if c.is_ascii_alphanumeric() || c == '.' { c } else { '_' }).collect();
-    folder(pages).join(format!("{renderer}-{safe}.json"))
+    format!("renderers/{renderer}-{safe}.json")
 }
 
 /// All stored results, by renderer and version.
@@ -192,7 +197,7 @@ pub fn load(pages: &Path) -> Result<Vec<Results>, Failure> {
             Failure::new(Exit::Input, format!("{}: {problem}", path.display()))
                 .help("measure it again: `ltsc conventions --renderer NAME --output DIR`")
         };
-        let text = fs::read_to_string(&path).map_err(|error| bad(error.to_string()))?;
+        let text = regular::read_text(&path, regular::TEXT).map_err(|error| bad(error.to_string()))?;
         let results: Results = serde_json::from_str(&text).map_err(|error| bad(error.to_string()))?;
         all.insert((results.renderer.clone(), results.version.clone()), results);
     }
@@ -205,10 +210,11 @@ pub fn text(results: &Results) -> String {
 }
 
 /// Writes results where they belong.
-pub fn save(pages: &Path, results: &Results) -> Result<PathBuf, Failure> {
-    let path = file(pages, &results.renderer, &results.version);
-    let text = text(results);
-    write_atomically(&path, &mut |out| out.write_all(text.as_bytes()))
-        .map_err(|error| Failure::new(Exit::Environment, format!("{}: {error}", path.display())))?;
-    Ok(path)
+pub fn save(pages: &Path, results: &Results, force: bool) -> Result<PathBuf, Failure> {
+    let name = name(&results.renderer, &results.version);
+    let mut written = Pages::new(pages, BY);
+    written.put(name.clone(), text(results));
+    written.keep(|_| true);
+    written.finish(false, force)?;
+    Ok(pages.join(name))
 }

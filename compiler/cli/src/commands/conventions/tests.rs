@@ -444,7 +444,7 @@ fn results_are_kept_and_read_again() {
     let one = asked("mirror", 0);
     let rows = judged(&one, &Ideal::new(&one.scene).image(), "cycles");
     let results = Results { renderer: "cycles".to_owned(), version: "4.5.15 LTS".to_owned(), rows };
-    let path = results::save(folder.path(), &results).expect("written");
+    let path = results::save(folder.path(), &results, false).expect("written");
     assert!(path.ends_with("renderers/cycles-4.5.15_LTS.json"), "{}", path.display());
     assert_eq!(results::load(folder.path()).expect("read"), std::slice::from_ref(&results));
     fs::write(&path, "{}").expect("written");

@@ -3,25 +3,20 @@
 mod html;
 mod pictures;
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 use ltsc_core::catalogue::{self, Entry, Pictures};
 use ltsc_core::eval::Overrides;
 use ltsc_core::ir::Scene;
 
 use crate::args::{Doc, DocFormat, Format};
-use crate::disk::{unwritable, write_atomically};
+use crate::disk::Pages;
 use crate::output::{Exit, Failure};
 use crate::project::Project;
 use crate::terminal;
 
 use super::shared::{CheckedFile, all_files_of, check, report};
-
-/// What every page says of itself; files without it are not ours.
-const MARK: &str = "Written by <code>ltsc doc</code>";
-const MARK_MARKDOWN: &str = "*Written by `ltsc doc`; do not edit.*";
 
 pub fn run(command: &Doc) -> Result<Exit, Failure> {
     let groups = all_files_of(&command.paths)?;
@@ -57,14 +52,35 @@ pub fn run(command: &Doc) -> Result<Exit, Failure> {
         scenes.keys().filter_map(|name| Some((*name, pictures::load(&output, name)?))).collect();
     let entries: Vec<Entry<'_>> =
         scenes.iter().map(|(name, (scene, _, _))| Entry { scene, pictures: pictures.get(name) }).collect();
-    let mut pages = pages(&entries, command.format);
+    let mut made = pages(&entries, command.format);
+    let mut pages = Pages::new(&output, command.format.by());
     // Single scenes get their pages anew; the table of all, and the pages of others, are not theirs to change.
     let single = command.paths.iter().any(|path| path.is_file());
-    let partial = single && !left_over(&output, &pages, command.format).is_empty();
+    let partial = single && pages.rest().any(|path| !made.contains_key(path));
     if partial {
-        pages.retain(|name, _| name != "README.md" && name != "index.html");
+        made.retain(|name, _| name != "README.md" && name != "index.html");
     }
-    write(command, &output, &pages, partial)
+    for (name, text) in made {
+        pages.put(name, text);
+    }
+    if partial {
+        pages.keep(|_| true);
+    }
+    let mut done = pages.finish(command.check, command.force)?;
+    if !partial {
+        let gone = pictures::remove_others(&output, &scenes.keys().copied().collect(), command)?;
+        done.removed.extend(gone.removed);
+    }
+    if command.check {
+        terminal::print(&done.lines(true));
+    }
+    let place = output.display();
+    terminal::say(&match (done.count(), command.check) {
+        (0, _) => format!("{place}: nothing to do, all pages are up to date"),
+        (_, true) => format!("{place} is stale; `ltsc doc` brings it up to date"),
+        (count, false) => format!("{count} file{} changed in {place}", if count == 1 { "" } else { "s" }),
+    });
+    Ok(if command.check && done.count() > 0 { Exit::No } else { Exit::Done })
 }
 
 /// All files by their path below the folder.
@@ -90,54 +106,12 @@ fn pages(entries: &[Entry<'_>], format: DocFormat) -> BTreeMap<String, String> {
     files
 }
 
-/// Pages of scenes that are gone: files of ours that are no longer made.
-fn left_over(folder: &Path, files: &BTreeMap<String, String>, format: DocFormat) -> Vec<PathBuf> {
-    let ending = match format {
-        DocFormat::Markdown => "md",
-        DocFormat::Html => "html",
-    };
-    let Ok(entries) = fs::read_dir(folder) else { return Vec::new() };
-    let paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
-    let ours = |path: &PathBuf| {
-        let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        path.extension().is_some_and(|own| own == ending)
-            && !files.contains_key(&name)
-            && fs::read_to_string(path).is_ok_and(|text| text.contains(MARK) || text.contains(MARK_MARKDOWN))
-    };
-    let sorted: BTreeSet<PathBuf> = paths.filter(ours).collect();
-    sorted.into_iter().collect()
-}
-
-/// Writes what is not yet as it should be, or only names it.
-fn write(command: &Doc, folder: &Path, files: &BTreeMap<String, String>, partial: bool) -> Result<Exit, Failure> {
-    let failed = |error: std::io::Error| unwritable(folder, &error);
-    let mut changed = 0;
-    for (name, text) in files {
-        let path = folder.join(name);
-        if fs::read(&path).is_ok_and(|there| there == text.as_bytes()) {
-            continue;
-        }
-        changed += 1;
-        if command.check {
-            terminal::print(&format!("stale: {}\n", path.display()));
-        } else {
-            write_atomically(&path, &mut |out| out.write_all(text.as_bytes())).map_err(failed)?;
+impl DocFormat {
+    /// What the record of pages says of who wrote them: the two forms may stand in one folder.
+    fn by(self) -> &'static str {
+        match self {
+            Self::Markdown => "doc",
+            Self::Html => "doc --format html",
         }
     }
-    let gone = if partial { Vec::new() } else { left_over(folder, files, command.format) };
-    for path in gone {
-        changed += 1;
-        if command.check {
-            terminal::print(&format!("left over: {}\n", path.display()));
-        } else {
-            fs::remove_file(&path).map_err(failed)?;
-        }
-    }
-    let place = folder.display();
-    terminal::say(&match (changed, command.check) {
-        (0, _) => format!("{place}: nothing to do, all pages are up to date"),
-        (_, true) => format!("{place} is stale; `ltsc doc` brings it up to date"),
-        (count, false) => format!("{count} file{} changed in {place}", if count == 1 { "" } else { "s" }),
-    });
-    Ok(if command.check && changed > 0 { Exit::No } else { Exit::Done })
 }

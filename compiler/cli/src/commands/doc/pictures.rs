@@ -1,7 +1,6 @@
 //! Renderings for the catalogue: each scene in two renderers, and how they differ.
 
-use std::collections::BTreeMap;
-use std::fs;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -9,13 +8,14 @@ use ltsc_core::catalogue::Pictures;
 use ltsc_core::eval::Overrides;
 use ltsc_core::ir::Scene;
 use ltsc_core::pipeline;
-use ltsc_render::compare::{CompareOptions, compare, difference_rgb8, relative_rgb8, shown_rgb8, write_png};
+use ltsc_render::compare::{CompareOptions, compare, difference_rgb8, png, relative_rgb8, shown_rgb8};
 use ltsc_render::image::Image;
+use ltsc_render::regular;
 use ltsc_render::run::{Driver, Rendered, driver};
 use serde_json::json;
 
 use crate::args::Doc;
-use crate::disk::{unwritable, write_atomically};
+use crate::disk::{Done, Pages};
 use crate::output::{Exit, Failure};
 use crate::project::Project;
 use crate::terminal::{self, Bar};
@@ -32,6 +32,9 @@ const STOPS: f64 = 5.0;
 /// Stops by which relative differences are brightened: at as many as the others the noise of few samples fills them.
 const RELATIVE_STOPS: f64 = 2.0;
 
+/// What is shown of a scene, and the pictures by their names.
+type Made = (Pictures, Vec<(String, Vec<u8>)>);
+
 type Scenes<'s> = BTreeMap<&'s str, (&'s Scene, &'s Project, &'s PathBuf)>;
 
 fn file(folder: &Path, name: &str) -> PathBuf {
@@ -40,7 +43,7 @@ fn file(folder: &Path, name: &str) -> PathBuf {
 
 /// What was rendered of a scene before.
 pub fn load(folder: &Path, name: &str) -> Option<Pictures> {
-    let text = fs::read_to_string(file(folder, name)).ok()?;
+    let text = regular::read_text(&file(folder, name), regular::TEXT).ok()?;
     let document: serde_json::Value = serde_json::from_str(&text).ok()?;
     let pairs = |key: &str| -> Option<Vec<(String, String)>> {
         let items = document.get(key)?.as_array()?.iter();
@@ -54,7 +57,11 @@ pub fn render_all(command: &Doc, scenes: &Scenes<'_>, folder: &Path) -> Result<(
     let mut drivers: Vec<&'static Driver> = Vec::new();
     for name in PAIR {
         let Some(driver) = driver(name) else { continue };
-        let there = scenes.values().next().is_some_and(|(_, project, _)| is_there(driver, project));
+        let timeout = Duration::from_secs(command.timeout);
+        let there = match scenes.values().next() {
+            Some((_, project, _)) => is_there(driver, project, timeout)?,
+            None => false,
+        };
         if there {
             drivers.push(driver);
         } else {
@@ -65,15 +72,37 @@ pub fn render_all(command: &Doc, scenes: &Scenes<'_>, folder: &Path) -> Result<(
         return Ok(());
     }
     for (name, (scene, project, path)) in scenes {
-        let pictures = one(command, scene, project, path, &drivers, folder)?;
+        let (pictures, files) = one(command, scene, project, path, &drivers, folder)?;
         if pictures.shown.is_empty() {
             continue;
         }
+        // What is rendered is kept, also where a later scene fails.
         let text = format!("{:#}\n", json!({ "shown": pictures.shown, "facts": pictures.facts }));
-        write_atomically(&file(folder, name), &mut |out| out.write_all(text.as_bytes()))
-            .map_err(|error| unwritable(folder, &error))?;
+        let mut pages = Pages::new(folder, BY);
+        pages.put(format!("pictures/{name}.json"), text);
+        for (name, bytes) in files {
+            pages.put(format!("pictures/{name}"), bytes);
+        }
+        pages.keep(|path| !is_of(path, name));
+        pages.finish(false, command.force)?;
     }
     Ok(())
+}
+
+/// What the record of pages says of who wrote them.
+const BY: &str = "doc --render";
+
+/// Whether a picture or its numbers are of this scene: `pictures/ring-luxcore.png`, `pictures/ring.json`.
+fn is_of(path: &str, scene: &str) -> bool {
+    let name = path.rsplit('/').next().unwrap_or_default();
+    name.split(['-', '.']).next() == Some(scene)
+}
+
+/// Removes the pictures of scenes that are gone.
+pub fn remove_others(folder: &Path, scenes: &BTreeSet<&str>, command: &Doc) -> Result<Done, Failure> {
+    let mut pages = Pages::new(folder, BY);
+    pages.keep(|path| scenes.iter().any(|scene| is_of(path, scene)));
+    pages.finish(command.check, command.force)
 }
 
 /// The settings of a picture: the longer side is as asked for.
@@ -91,10 +120,10 @@ fn one(
     path: &PathBuf,
     drivers: &[&'static Driver],
     folder: &Path,
-) -> Result<Pictures, Failure> {
+) -> Result<Made, Failure> {
     let checked = check(project, std::slice::from_ref(path), &command.findings(), settings(command, scene), &[])?;
     let Some(small) = checked.into_iter().next().and_then(|file| file.checked.scene) else {
-        return Ok(Pictures::default());
+        return Ok(Made::default());
     };
     let (small, _) = pipeline::prepare(small)
         .map_err(|_| Failure::new(Exit::Input, format!("the scene `{}` cannot be rendered", scene.name)))?;
@@ -107,7 +136,7 @@ fn one(
         let what = format!("{} ({})", scene.name, driver.name);
         let mut bar = Bar::new(0, &what);
         let timeout = Some(Duration::from_secs(command.timeout));
-        let runner = Runner { timeout, ..Runner::find(driver, None, Some(project))? };
+        let runner = Runner::find(driver, None, Some(project), timeout)?;
         let job = Job::new(&small, &runner)?;
         let done = job.render(command.samples, small.sampler.seed(), &mut |_| bar.say(&what));
         bar.finish();
@@ -119,7 +148,7 @@ fn one(
             Err(error) => terminal::say(&format!("{}: {} left out: {error}", scene.name, driver.name)),
         }
     }
-    write(command, scene, &all, folder)
+    pictures_of(command, scene, &all, folder)
 }
 
 /// The factor that brings the 95th percentile of an image's brightness to 0.8.
@@ -131,22 +160,21 @@ fn exposure(image: &Image) -> f64 {
     if bright > 0.0 { (0.8 / f64::from(bright)).log2() } else { 0.0 }
 }
 
-/// Writes the pictures and says what was measured.
-fn write(
+/// The pictures, and what was measured.
+fn pictures_of(
     command: &Doc,
     scene: &Scene,
     rendered: &[(&'static Driver, Rendered)],
     folder: &Path,
-) -> Result<Pictures, Failure> {
-    let Some((_, first)) = rendered.first() else { return Ok(Pictures::default()) };
+) -> Result<Made, Failure> {
+    let Some((_, first)) = rendered.first() else { return Ok(Made::default()) };
     let stops = exposure(&first.image);
-    let mut pictures = Pictures::default();
+    let (mut pictures, mut files) = Made::default();
     let mut put = |title: String, kind: &str, width: usize, height: usize, pixels: &[u8]| {
         let name = format!("{}-{kind}.png", scene.name);
-        let path = folder.join("pictures").join(&name);
-        fs::create_dir_all(folder.join("pictures")).map_err(|error| unwritable(folder, &error))?;
-        write_png(&path, width, height, pixels)
+        let bytes = png(&folder.join("pictures").join(&name), width, height, pixels)
             .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))?;
+        files.push((name.clone(), bytes));
         pictures.shown.push((title, name));
         Ok::<(), Failure>(())
     };
@@ -183,5 +211,5 @@ fn write(
         }
     }
     pictures.facts = facts;
-    Ok(pictures)
+    Ok((pictures, files))
 }
