@@ -6,6 +6,7 @@ mod blender;
 mod cases;
 mod cli;
 mod conventions;
+mod endless;
 mod fixes;
 mod format;
 mod gallery;

@@ -5,9 +5,13 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done, or the answer is yes; 1 the answer is no (findings at deny, stale files, a difference beyond the
-tolerance); 2 wrong usage; 3 input unreadable or malformed; 4 a renderer or the environment missing or failed; 70 a fault
-of ltsc itself.";
+Exit codes:
+   0  done, or the answer is yes
+   1  the answer is no: findings at `deny`, stale files, a difference beyond the tolerance
+   2  wrong usage
+   3  an input that cannot be read, or is malformed
+   4  a renderer or the environment is missing or failed
+  70  an internal error (a bug in ltsc)";
 
 /// Compiler and translator for light-transport test scenes.
 ///
@@ -53,6 +57,9 @@ impl Format {
 
 #[derive(Subcommand, Debug)]
 pub enum Command {
+    /// Make a new project: an `ltsc.toml` and a first scene.
+    #[command(after_help = "Example:\n  ltsc init scenes\n  cd scenes\n  ltsc lint\n  ltsc build")]
+    Init(Init),
     /// Generate every scene for every target.
     ///
     /// Without PATH the project that the current folder belongs to: the nearest folder upward with an `ltsc.toml`. Files
@@ -227,6 +234,12 @@ pub struct Settings {
 }
 
 #[derive(Args, Debug)]
+pub struct Init {
+    /// The folder of the project [default: the current folder]; it is made if it is not there.
+    pub folder: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
 pub struct Build {
     /// Scene files, or folders with scenes.
     pub paths: Vec<PathBuf>,
@@ -245,6 +258,9 @@ pub struct Build {
     /// Write into a folder that is not empty and was not written by ltsc.
     #[arg(long)]
     pub force: bool,
+    /// The value of a parameter that the scene declares by `param`, for one scene; may be given several times.
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
     /// Write nothing; print a table of the time that each scene takes and the bytes that it becomes, in Markdown.
     #[arg(long, conflicts_with_all = ["check", "output", "force"])]
     pub stats: bool,
@@ -265,6 +281,9 @@ pub struct Lint {
     /// Leave out limits that exist for other targets only, and say what these cannot say exactly.
     #[arg(long, value_name = "TARGET", value_delimiter = ',')]
     pub target: Vec<String>,
+    /// The value of a parameter that the scene declares by `param`, for one scene; may be given several times.
+    #[arg(long, value_name = "NAME=VALUE", conflicts_with_all = ["fix", "diff"])]
+    pub set: Vec<String>,
     #[command(flatten)]
     pub findings: Findings,
 }

@@ -15,12 +15,22 @@ use clap::Parser;
 /// Bytes of stack of each thread. The deepest recursion is that of nested expressions; this is far more than it needs.
 const STACK: usize = 64 << 20;
 
+/// Prints what clap says, without its advice to write `--` before an option that is not known: no command takes it that way.
+fn show(error: &clap::Error) {
+    let asked = !error.use_stderr();
+    let text = error.render();
+    let text = if terminal::colored(asked) { text.ansi().to_string() } else { text.to_string() };
+    let kept: Vec<&str> = text.lines().filter(|line| !line.contains("as a value, use '")).collect();
+    let kept = kept.join("\n");
+    if asked { terminal::print(&(kept + "\n")) } else { terminal::say(kept.trim_end()) }
+}
+
 fn main() -> ExitCode {
     let arguments = match args::Arguments::try_parse() {
         Ok(arguments) => arguments,
         Err(error) => {
             let asked = !error.use_stderr();
-            let _shown = error.print();
+            show(&error);
             return if asked { output::Exit::Done.into() } else { output::Exit::Usage.into() };
         }
     };

@@ -4,6 +4,8 @@
 //! ([`Target::conversions`]), the bounds that hold for this very scene ([`Target::bound`]), and what lowering baked. Written beside
 //! the files of the target as `ledger.json`, and said as findings.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use crate::capability::{Bound, Support, features};
@@ -21,6 +23,9 @@ pub struct Ledger {
     pub scene: String,
     /// The target's name.
     pub target: &'static str,
+    /// The scene's parameters with their values.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, String>,
     /// What it says with the same meaning and the same numbers.
     pub exact: Vec<&'static str>,
     /// What it says exactly with other numbers, and the formula.
@@ -101,6 +106,12 @@ impl Ledger {
         let mut ledger = Self {
             scene: scene.name.clone(),
             target: target.name,
+            parameters: scene
+                .documentation
+                .parameters
+                .iter()
+                .map(|one| (one.name.clone(), one.value.clone()))
+                .collect(),
             exact: Vec::new(),
             converted: Vec::new(),
             approximated: Vec::new(),

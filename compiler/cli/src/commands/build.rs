@@ -22,7 +22,7 @@ use crate::output::{self, Exit, Failure, Located};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
 
-use super::shared::{CheckedFile, all_files_of, check, ledgers, losses, report, say_losses};
+use super::shared::{CheckedFile, all_files_of, check, ledgers, losses, report, say_losses, set_for};
 
 /// A scene that can be written.
 struct Ready<'f> {
@@ -53,13 +53,14 @@ pub fn run(command: &Build) -> Result<Exit, Failure> {
     let mut exit = Exit::Done;
     let mut said = false;
     let mut all = Vec::new();
-    let groups = all_files_of(&command.paths)?;
+    let groups = all_files_of(&command.paths, &command.findings)?;
     if groups.len() > 1 && command.findings.format.is_document() {
         return Err(Failure::new(Exit::Usage, "the scenes belong to several projects, and there is one document")
             .help("build them one by one, or choose `--format short`"));
     }
+    let overrides = set_for(&command.set, &groups)?;
     for (project, files) in groups {
-        let (one, built) = build(command, &project, &files, &only, whole)?;
+        let (one, built) = build(command, &project, &files, &only, whole, &overrides)?;
         exit = exit.max(one);
         match built {
             Some(built) => all.extend(built),
@@ -84,10 +85,11 @@ fn build(
     files: &[PathBuf],
     only: &[&'static Target],
     whole: bool,
+    overrides: &Overrides,
 ) -> Result<(Exit, Option<Vec<Built>>), Failure> {
     let targets: &[&'static Target] = if only.is_empty() { &project.targets } else { only };
     let output = command.output.as_deref().unwrap_or(&project.generated);
-    let checked = check(project, files, &command.findings, Overrides::default(), &[])?;
+    let checked = check(project, files, &command.findings, overrides.clone(), &[])?;
     let levels = project.levels_with(&command.findings)?;
     let choices = project.choices_with(&command.option, targets)?;
     let (ready, mut more) = prepare(&checked, targets, &levels);
@@ -160,6 +162,9 @@ fn build(
     let stale = built.iter().any(|scene| !scene.changes.is_empty());
     if !json {
         summary(&built, output, command.check);
+    }
+    if format == Format::Human && !command.check {
+        where_to_look(&ready, targets, output);
     }
     Ok((if command.check && stale { Exit::No } else { Exit::Done }, Some(built)))
 }
@@ -274,6 +279,23 @@ fn orphans(output: &Path, ready: &[Ready<'_>], staging: Option<&Arc<Staging>>) -
         gone.push(Built { name: name.to_owned(), targets: 0, changes });
     }
     Ok(gone)
+}
+
+/// The files to open, for the first scene.
+fn where_to_look(ready: &[Ready<'_>], targets: &[&'static Target], output: &Path) {
+    let Some(first) = ready.first() else { return };
+    let name = &first.scene.name;
+    let mut text = String::new();
+    for target in targets {
+        let file = output.join(name).join(target.name).join(target.main_file_of(name));
+        text.push_str(&format!("  {:<12} {}\n", target.name, file.display()));
+    }
+    match ready.len() - 1 {
+        0 => {}
+        1 => text.push_str("  and the same for 1 more scene\n"),
+        more => text.push_str(&format!("  and the same for {more} more scenes\n")),
+    }
+    terminal::print(&text);
 }
 
 fn summary(built: &[Built], output: &Path, check: bool) {

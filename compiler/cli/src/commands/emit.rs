@@ -56,6 +56,7 @@ fn all(command: &Emit) -> Result<Exit, Failure> {
         option: command.option.clone(),
         output: command.output.clone(),
         force: command.force,
+        set: Vec::new(),
         stats: false,
         findings: command.findings.clone(),
     })

@@ -202,6 +202,9 @@ pub fn failure(error: &RenderError) -> Failure {
 
 fn provenance(command: &Render, driver: &Driver, scene: &One, rendered: &Rendered) -> Provenance {
     let camera = command.settings.camera.iter().map(|name| ("camera".to_owned(), name.clone()));
+    let parameters = &scene.scene.documentation.parameters;
+    let values: Vec<String> = parameters.iter().map(|one| format!("{}={}", one.name, one.value)).collect();
+    let values = (!values.is_empty()).then(|| ("parameters".to_owned(), values.join(", ")));
     Provenance {
         scene: scene.scene.name.clone(),
         scene_hash: scene.hash.clone(),
@@ -211,6 +214,6 @@ fn provenance(command: &Render, driver: &Driver, scene: &One, rendered: &Rendere
         samples: rendered.samples_done,
         seed: u64::from(scene.scene.sampler.seed()),
         seconds: rendered.seconds,
-        extra: camera.chain(rendered.facts.iter().cloned()).collect(),
+        extra: camera.chain(values).chain(rendered.facts.iter().cloned()).collect(),
     }
 }

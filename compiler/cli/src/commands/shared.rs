@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use ltsc_core::diag::{Finding, Severity, Sources, nearest};
+use ltsc_core::diag::{Finding, Origin, Severity, Sources, nearest};
 use ltsc_core::eval::{self, Limits, Overrides};
 use ltsc_core::files::{Files, VPath};
 use ltsc_core::formats::Target;
@@ -52,15 +52,19 @@ pub type Group = (Project, Vec<PathBuf>);
 pub fn files_of(paths: &[PathBuf]) -> Result<(Vec<Group>, Vec<Failure>), Failure> {
     if paths.is_empty() {
         let project = Project::here()?;
-        let files = project::scene_files(&project.scenes)?;
-        return Ok((vec![(project, files)], Vec::new()));
+        let project::Found { files, problems } = project::scene_files(&project.scenes)?;
+        return Ok((vec![(project, files)], problems));
     }
     let mut groups: Vec<Group> = Vec::new();
     let mut problems = Vec::new();
     let mut seen = BTreeSet::new();
     for path in paths {
-        let (project, files) = match Project::of(path).and_then(|project| Ok((project, project::scene_files(path)?))) {
-            Ok(found) => found,
+        let found = Project::of(path).and_then(|project| Ok((project, project::scene_files(path)?)));
+        let (project, files) = match found {
+            Ok((project, found)) => {
+                problems.extend(found.problems);
+                (project, found.files)
+            }
             Err(problem) if problem.exit == Exit::Usage => return Err(problem),
             Err(problem) => {
                 problems.push(problem);
@@ -79,10 +83,19 @@ pub fn files_of(paths: &[PathBuf]) -> Result<(Vec<Group>, Vec<Failure>), Failure
     Ok((groups, problems))
 }
 
-/// The files of [`files_of`], where one that cannot be read ends the command.
-pub fn all_files_of(paths: &[PathBuf]) -> Result<Vec<Group>, Failure> {
-    let (groups, problems) = files_of(paths)?;
-    problems.into_iter().next().map_or(Ok(groups), Err)
+/// The files of [`files_of`], where one that cannot be read ends the command; what is wrong with the others is said before.
+pub fn all_files_of(paths: &[PathBuf], findings: &args::Findings) -> Result<Vec<Group>, Failure> {
+    let (groups, mut problems) = files_of(paths)?;
+    let Some(last) = problems.pop() else { return Ok(groups) };
+    let mut checked = Vec::new();
+    for (project, files) in &groups {
+        checked.extend(check(project, files, findings, Overrides::default(), &[])?);
+    }
+    let nothing = Sources::default();
+    let more =
+        problems.into_iter().map(|problem| Located { finding: problem.into_finding(), sources: &nothing, prefix: "" });
+    report(&checked, more.collect(), findings.format, false, true);
+    Err(last)
 }
 
 /// Checks files of a project, in parallel; the result is in the order of the files.
@@ -113,6 +126,19 @@ pub fn check_changed(
     targets: &[&'static Target],
     from: &Changed<'_>,
 ) -> Result<Vec<CheckedFile>, Failure> {
+    check_each(project, files, findings, overrides, targets, from, |file| file)
+}
+
+/// What `keep` takes of each file; the rest of a file is let go before the next one is read.
+pub fn check_each<T: Send>(
+    project: &Project,
+    files: &[PathBuf],
+    findings: &args::Findings,
+    overrides: Overrides,
+    targets: &[&'static Target],
+    from: &Changed<'_>,
+    keep: impl Fn(CheckedFile) -> T + Sync,
+) -> Result<Vec<T>, Failure> {
     let root = findings.root.as_deref().unwrap_or(&project.root);
     let limits = project::limits_with(project.limits, &findings.limits)?;
     let options = Options {
@@ -120,23 +146,62 @@ pub fn check_changed(
         levels: project.levels_with(findings)?,
         no_allow: findings.no_allow,
         targets: targets.iter().map(|target| target.name).collect(),
-        scenes: headers(project, files, from, limits),
+        scenes: headers(project, files, from, limits).into(),
     };
     let prefix: Arc<str> = project::prefix(root).into();
     let one = |file: &PathBuf| {
-        let path = from.disk.path_of(file).ok_or_else(|| {
-            Failure::new(Exit::Usage, format!("{} does not lie below {}", file.display(), root.display()))
-                .help("widen the root with `--root`, or move the scene")
-        })?;
+        let Some(path) = from.disk.path_of(file) else {
+            let (path, finding) = nameless(file, root);
+            let checked = Checked { findings: vec![finding], ..Checked::default() };
+            return Ok(keep(CheckedFile { path, checked, sources: Sources::default(), prefix: Arc::clone(&prefix) }));
+        };
         let (checked, sources) = guarded(&path, || {
             let mut sources = Sources::default();
             let checked = pipeline::check(from, &mut sources, &path, &options);
             (checked, sources)
         });
-        Ok(CheckedFile { path, checked, sources, prefix: Arc::clone(&prefix) })
+        Ok(keep(CheckedFile { path, checked, sources, prefix: Arc::clone(&prefix) }))
     };
     // One file is not worth starting threads for.
     if files.len() == 1 { files.iter().map(one).collect() } else { files.par_iter().map(one).collect() }
+}
+
+/// A file that has no path below the root: how it is called in output, and why it is not read. The other files are.
+fn nameless(file: &Path, root: &Path) -> (VPath, Finding) {
+    let name = file.file_name().unwrap_or(file.as_os_str());
+    let shown: String =
+        name.to_string_lossy().chars().map(|c| if c.is_control() || c == '\\' { '?' } else { c }).collect();
+    let whole = || VPath::resolve("", &shown).or_else(|_| VPath::resolve("", "file.lts"));
+    let path = whole().unwrap_or_else(|_| unreachable!("a plain name is a path"));
+    let real = std::fs::canonicalize(file).ok();
+    let above = std::fs::canonicalize(root).ok();
+    let outside = real.as_ref().zip(above.as_ref()).is_some_and(|(real, root)| !real.starts_with(root));
+    let link = std::fs::symlink_metadata(file).is_ok_and(|meta| meta.is_symlink());
+    let (id, why, help) = if outside && link {
+        let why = format!("is a link that leads out of the project's root, {}", root.display());
+        ("unreadable-file", why, "copy the file into the project, or widen the root with `--root`")
+    } else if outside {
+        let why = format!("does not lie below the root, {}", root.display());
+        ("unreadable-file", why, "widen the root with `--root`, or move the scene")
+    } else if file.to_str().is_none() {
+        ("bad-path", "has a name that is not UTF-8".to_owned(), "rename the file or its folder")
+    } else if file.to_string_lossy().contains('\\') {
+        (
+            "bad-path",
+            "has a backslash in its path".to_owned(),
+            "rename it: on other systems a backslash stands between folders",
+        )
+    } else if file.to_string_lossy().chars().any(char::is_control) {
+        (
+            "bad-path",
+            "has a line break or another control character in its path".to_owned(),
+            "rename the file or its folder",
+        )
+    } else {
+        ("unreadable-file", "cannot be read".to_owned(), "is it a link that leads nowhere?")
+    };
+    let origin = Origin::File { path: path.to_string(), place: String::new() };
+    (path, Finding::error(id, origin, format!("{shown:?} {why}")).help(help))
 }
 
 /// What `check` gives; where it panics, a finding that says so, since one file must not hide the others.
@@ -154,7 +219,8 @@ fn headers(
     from: &Changed<'_>,
     limits: Limits,
 ) -> BTreeMap<String, Documentation> {
-    let all = if project.declared { project::scene_files(&project.scenes).unwrap_or_default() } else { Vec::new() };
+    let all =
+        if project.declared { project::scene_files(&project.scenes).unwrap_or_default().files } else { Vec::new() };
     let files = if all.is_empty() { files } else { &all };
     let headers = files.iter().filter_map(|file| eval::header(from, &from.disk.path_of(file)?, limits));
     headers.collect()
@@ -261,15 +327,38 @@ pub fn say_losses(scenes: &[&[Ledger]]) {
     }
 }
 
+/// The values that `--set` gives to parameters, one for each.
+pub fn set_of(set: &[String]) -> Result<Vec<(String, String)>, Failure> {
+    let mut pairs: Vec<(String, String)> = Vec::new();
+    for text in set {
+        let Some((name, value)) = text.split_once('=').filter(|(name, _)| !name.trim().is_empty()) else {
+            return Err(Failure::new(Exit::Usage, format!("`--set {text}` has no value"))
+                .help("write for example `--set alpha=0.2`"));
+        };
+        let (name, value) = (name.trim(), value.trim());
+        if let Some((_, first)) = pairs.iter().find(|(known, _)| known == name) {
+            let message = format!("`--set` gives `{name}` two values, {first} and {value}");
+            return Err(Failure::new(Exit::Usage, message).help("give each parameter one value"));
+        }
+        pairs.push((name.to_owned(), value.to_owned()));
+    }
+    Ok(pairs)
+}
+
+/// The values that `--set` gives in a command that works on several scenes: they belong to one.
+pub fn set_for(set: &[String], groups: &[Group]) -> Result<Overrides, Failure> {
+    let set = set_of(set)?;
+    if !set.is_empty() && groups.iter().map(|(_, files)| files.len()).sum::<usize>() != 1 {
+        return Err(Failure::new(Exit::Usage, "`--set` goes with one scene, whose parameters it sets")
+            .help("name the scene file"));
+    }
+    Ok(Overrides { set, ..Overrides::default() })
+}
+
 /// The settings of the command line.
 pub fn overrides(settings: &args::Settings) -> Result<Overrides, Failure> {
     let args::Settings { width, height, samples, max_depth, seed, set, camera: _ } = settings;
-    let pair = |text: &String| match text.split_once('=') {
-        Some((name, value)) if !name.trim().is_empty() => Ok((name.trim().to_owned(), value.trim().to_owned())),
-        _ => Err(Failure::new(Exit::Usage, format!("`--set {text}` has no value"))
-            .help("write for example `--set alpha=0.2`")),
-    };
-    let set = set.iter().map(pair).collect::<Result<_, _>>()?;
+    let set = set_of(set)?;
     Ok(Overrides {
         width: *width,
         height: *height,

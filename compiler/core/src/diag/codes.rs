@@ -140,6 +140,10 @@ pub const CODES: &[Code] = &[
         "loss-dropped",
         "A target cannot say something, and it was left out; or a mesh file has something that is not read.\n`ltsc explain --target NAME` shows what a target can say. Of a file there is one finding for each kind of thing, a warning where it\ncould be seen in an image (vertex colors, skins), a remark where it could not (names, edges). `ledger.json` has both.",
     ),
+    code(
+        "memory-limit",
+        "The values of a file take more than two gigabytes: lists, spectra, places of instances, vertices.\nThe limit keeps a scene from using up a machine; `--limit memory=N`, or `[limits]` in ltsc.toml, raises it.",
+    ),
     remark(
         "mesh-file",
         "A mesh file was read, and something in it is odd: the file may be damaged, or mean something else.",
@@ -191,7 +195,7 @@ pub const CODES: &[Code] = &[
     ),
     code(
         "step-limit",
-        "A file takes more than ten million calls and iterations.\nThe limit keeps a scene from running without end; `--limit steps=N`, or `[limits]` in ltsc.toml, raises it.",
+        "A file takes more than ten million steps: calls and iterations, and 32 parts of expressions or elements of lists count as one more.\nThe limit keeps a scene from running without end; `--limit steps=N`, or `[limits]` in ltsc.toml, raises it.",
     ),
     code(
         "syntax-error",

@@ -43,7 +43,7 @@ pub use arena::{Arena, Handle};
 pub use camera::{Axes, Camera};
 pub use color::Color;
 pub(crate) use degrees::{cosines_degrees, sin_cos_degrees, sines_degrees};
-pub use doc::{Documentation, Similar};
+pub use doc::{Documentation, ParameterValue, Similar};
 pub use group::{GROUP_DEPTH, Group, INSTANCE_LIMIT, Instance, Places};
 pub use light::{LightKind, LightSource};
 pub use light_paths::{LightExtent, LightPathError, LightPaths};

@@ -39,6 +39,7 @@ mod reflectance_over_one;
 mod rough_too_small;
 mod same_paths;
 mod saturated_albedo;
+mod scenes;
 mod smooth_emitter;
 mod undocumented_scene;
 mod unknown_similar;
@@ -50,9 +51,11 @@ mod wide_roughness;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
+pub use scenes::Scenes;
+
 use crate::contact::Contacts;
 use crate::diag::{CODES, Finding, Label, Origin, Severity, Span, nearest};
-use crate::ir::{Camera, Documentation, Handle, Mesh, Scene};
+use crate::ir::{Camera, Handle, Mesh, Scene};
 use crate::mesh::{Faults, View, faults, is_closed};
 use crate::survey::{Placed, Survey};
 
@@ -134,7 +137,7 @@ pub struct UnusedName {
 #[derive(Clone, Debug, Default)]
 pub struct Around {
     /// The documentation of the project's scenes by name, this one's included; empty where a scene is looked at alone.
-    pub scenes: BTreeMap<String, Documentation>,
+    pub scenes: Scenes,
     /// Names that the text declares in vain.
     pub unused: Vec<UnusedName>,
     /// Where mesh files with normals of another length than 1 are read, and what was done about it.

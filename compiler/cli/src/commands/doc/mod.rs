@@ -24,7 +24,7 @@ const MARK: &str = "Written by <code>ltsc doc</code>";
 const MARK_MARKDOWN: &str = "*Written by `ltsc doc`; do not edit.*";
 
 pub fn run(command: &Doc) -> Result<Exit, Failure> {
-    let groups = all_files_of(&command.paths)?;
+    let groups = all_files_of(&command.paths, &command.findings())?;
     let Some((first, _)) = groups.first() else { return Ok(Exit::Done) };
     let output = command.output.clone().unwrap_or_else(|| first.root.join("docs/scenes"));
     let mut all: Vec<CheckedFile> = Vec::new();
