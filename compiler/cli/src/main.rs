@@ -36,7 +36,10 @@ fn main() -> ExitCode {
     };
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map_or(String::new(), |at| format!(" ({}:{})", at.file(), at.line()));
-        terminal::error(&format!("a fault of ltsc itself{place}: {}", terminal::panic_text(panic.payload())));
+        terminal::error(&format!(
+            "an internal error (a bug in ltsc){place}: {}",
+            terminal::panic_text(panic.payload())
+        ));
         terminal::error("please report it with the command and the scene");
     }));
     // What works on several files has the stack of what works on one; without threads of its own it works on one at a time.

@@ -115,7 +115,7 @@ pub const FAULT: &str = "internal-fault";
 /// That ltsc failed on the file at `path`, where a panic said `problem`.
 pub fn fault(path: &VPath, problem: &str) -> Checked {
     let origin = Origin::File { path: path.as_str().to_owned(), place: String::new() };
-    let finding = Finding::error(FAULT, origin, format!("a fault of ltsc itself: {problem}"))
+    let finding = Finding::error(FAULT, origin, format!("an internal error (a bug in ltsc): {problem}"))
         .help("please report it with the file");
     Checked { findings: vec![finding], ..Checked::default() }
 }

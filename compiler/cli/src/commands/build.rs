@@ -148,7 +148,7 @@ fn build(
     if !wrong.is_empty() {
         output::findings(&wrong, None, format, false, true);
         terminal::error("ltsc wrote something else than the scenes say; nothing of these scenes was kept");
-        terminal::help("this is a fault of ltsc itself: please report it with the scenes");
+        terminal::help("this is an internal error (a bug in ltsc): please report it with the scenes");
         return Ok((Exit::Fault, None));
     }
     // Another folder may be shared with other projects.

@@ -196,8 +196,9 @@ fn formatted(name: &str, text: String) -> Result<Done, Failure> {
             Ok(Done::Refused(shown.collect(), sources))
         }
         Err(FormatError::Fault(difference)) => {
-            let message =
-                format!("a fault of ltsc itself: formatting {name} would change it ({difference}); it stays as it is");
+            let message = format!(
+                "an internal error (a bug in ltsc): formatting {name} would change it ({difference}); it stays as it is"
+            );
             Err(Failure::new(Exit::Fault, message).help("please report it with the file"))
         }
     }

@@ -303,26 +303,37 @@ pub fn losses<'s>(scenes: &[(&[Ledger], &'s CheckedFile)], levels: &Levels) -> V
     all.collect()
 }
 
-/// A line for each target with what it cannot say exactly of scenes, for people.
+/// What each target approximates or does not support of scenes, each thing once, for people.
 pub fn say_losses(scenes: &[&[Ledger]]) {
     let targets = scenes.first().map_or(0, |ledgers| ledgers.len());
     for at in 0..targets {
-        let (mut dropped, mut nearly) = (Vec::new(), Vec::new());
-        let add = |list: &mut Vec<&'static str>, what| {
-            if !list.contains(&what) {
-                list.push(what)
-            }
-        };
+        let mut dropped: Vec<&str> = Vec::new();
+        // With the largest difference of any scene, where it can be computed.
+        let mut approximated: Vec<(&str, Option<f64>)> = Vec::new();
         for ledger in scenes.iter().map(|ledgers| &ledgers[at]) {
-            ledger.dropped.iter().for_each(|one| add(&mut dropped, one.what));
-            ledger.approximated.iter().for_each(|one| add(&mut nearly, one.what));
+            for one in &ledger.dropped {
+                if !dropped.contains(&one.what) {
+                    dropped.push(one.what);
+                }
+            }
+            for one in &ledger.approximated {
+                let here = one.here.as_ref().map(|here| here.at_most);
+                match approximated.iter_mut().find(|(what, _)| *what == one.what) {
+                    Some((_, most)) => *most = most.map_or(here, |most| Some(here.map_or(most, |here| here.max(most)))),
+                    None => approximated.push((one.what, here)),
+                }
+            }
         }
         let name = scenes[0][at].target;
-        if !dropped.is_empty() {
-            terminal::say(&format!("{name} cannot say: {}", dropped.join(", ")));
+        if !approximated.is_empty() {
+            let words = approximated.iter().map(|(what, most)| match most {
+                Some(most) => format!("{what} (by up to {})", ltsc_core::ledger::percent(*most)),
+                None => (*what).to_owned(),
+            });
+            terminal::say(&format!("{name}: approximated: {}", words.collect::<Vec<_>>().join(", ")));
         }
-        if !nearly.is_empty() {
-            terminal::say(&format!("{name} says nearly: {}", nearly.join(", ")));
+        if !dropped.is_empty() {
+            terminal::say(&format!("{name}: not supported: {}", dropped.join(", ")));
         }
     }
 }
@@ -421,7 +432,7 @@ impl One {
         }
         output::findings(&wrong, None, format, false, true);
         terminal::error("ltsc wrote something else than the scene says; nothing was kept");
-        terminal::help("this is a fault of ltsc itself: please report it with the scene");
+        terminal::help("this is an internal error (a bug in ltsc): please report it with the scene");
         Some(Exit::Fault)
     }
 }

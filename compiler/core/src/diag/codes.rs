@@ -130,7 +130,7 @@ pub const CODES: &[Code] = &[
     ),
     remark(
         "loss-approximated",
-        "A target says something nearly, not exactly, as the scene means it; or a mesh file or its materials could only be read nearly.\nThe note gives the bound and how it was found. `ltsc explain --target NAME` shows the whole table.",
+        "The target has no exact equivalent, and an approximation was written; or something in a mesh file was read as the nearest thing that a scene has.\nThe note gives the bound and how it was found. `ltsc explain --target NAME` shows the whole table.",
     ),
     remark(
         "loss-baked",
@@ -138,7 +138,7 @@ pub const CODES: &[Code] = &[
     ),
     remark(
         "loss-dropped",
-        "A target cannot say something, and it was left out; or a mesh file has something that is not read.\n`ltsc explain --target NAME` shows what a target can say. Of a file there is one finding for each kind of thing, a warning where it\ncould be seen in an image (vertex colors, skins), a remark where it could not (names, edges). `ledger.json` has both.",
+        "A target does not support something, and it was left out; or a mesh file has something that is not read.\n`ltsc explain --target NAME` shows what a target supports. Of a file there is one finding for each kind of thing, a warning where it\ncould be seen in an image (vertex colors, skins), a remark where it could not (names, edges). `ledger.json` has both.",
     ),
     code(
         "memory-limit",
@@ -208,7 +208,7 @@ pub const CODES: &[Code] = &[
     code("type-mismatch", "A value has another type than its place asks for."),
     code(
         "unformatted",
-        "A file has not its canonical form.\n`ltsc fmt` writes it: layout changes, comments, numbers and meaning stay.",
+        "A file is not formatted.\n`ltsc fmt` formats it: the layout changes; comments, numbers and meaning stay.",
     ),
     code(
         "unknown-argument",

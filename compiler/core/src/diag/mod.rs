@@ -5,9 +5,11 @@
 
 mod codes;
 mod source;
+mod words;
 
 pub use codes::{CODES, Code};
 pub use source::{FileId, Position, SourceFile, Sources};
+pub use words::WORDS;
 
 use serde::Serialize;
 

@@ -29,6 +29,7 @@ use crate::files::{Files, VPath};
 use crate::ir::{Affine, Arena, Documentation, Scene, Texture};
 
 pub use limits::{Limit, Limits, parse_amount};
+pub use synonyms::any as synonym;
 pub use table::{Constructor, Family, Parameter, table};
 pub use value::Ty;
 
