@@ -30,6 +30,7 @@ mod seeds;
 mod similar;
 mod thesis;
 mod tidy;
+mod user;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -209,19 +209,19 @@ pub struct Limits {
 #[derive(Args, Debug)]
 pub struct Settings {
     /// Width of the image in pixels.
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub width: Option<u32>,
     /// Height of the image in pixels.
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub height: Option<u32>,
     /// Samples per pixel.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     pub samples: Option<u32>,
     /// Segments of a path, the camera's and the light's included.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     pub max_depth: Option<u32>,
     /// Start of the random numbers.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub seed: Option<u32>,
     /// The value of a parameter that the scene declares by `param`; may be given several times.
     #[arg(long, value_name = "NAME=VALUE")]
@@ -318,8 +318,8 @@ pub struct Similar {
 pub struct Emit {
     /// The scene file.
     pub scene: Option<PathBuf>,
-    /// The target, for example `mitsuba`, `pbrt`, `gltf`.
-    #[arg(long, value_name = "TARGET", required = true)]
+    /// The target: mitsuba-3, mitsuba-0.6, mitsuba-0.5, pbrt-v4, pbrt-v3, luxcore, cycles, gltf or glb.
+    #[arg(long, value_name = "TARGET", default_value = "", hide_default_value = true)]
     pub target: String,
     /// An option of a target, such as `gltf.instancing`; `ltsc explain --target NAME` lists them.
     #[arg(long, value_name = "TARGET.OPTION", value_delimiter = ',')]

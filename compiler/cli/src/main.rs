@@ -20,7 +20,8 @@ fn show(error: &clap::Error) {
     let asked = !error.use_stderr();
     let text = error.render();
     let text = if terminal::colored(asked) { text.ansi().to_string() } else { text.to_string() };
-    let kept: Vec<&str> = text.lines().filter(|line| !line.contains("as a value, use '")).collect();
+    let mut kept: Vec<&str> = text.lines().filter(|line| !line.contains("as a value, use '")).collect();
+    kept.dedup_by(|a, b| a.is_empty() && b.is_empty());
     let kept = kept.join("\n");
     if asked { terminal::print(&(kept + "\n")) } else { terminal::say(kept.trim_end()) }
 }

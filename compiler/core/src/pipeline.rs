@@ -9,7 +9,7 @@ use crate::eval::{self, Allow, Evaluated, Overrides, SceneParameter};
 use crate::files::{Bytes, Files, Sink, VPath};
 use crate::fix;
 use crate::formats::{self, Choices, Emission, Target};
-use crate::ir::{Camera, Handle, Scene};
+use crate::ir::{Camera, Handle, Scene, Scenes};
 use crate::ledger::{self, Ledger};
 use crate::lint::{self, Around, Levels, UnusedName};
 use crate::lower;
@@ -27,7 +27,7 @@ pub struct Options {
     /// Leaves out rules that exist for none of these targets; none are all.
     pub targets: Vec<&'static str>,
     /// The documentation of the project's scenes, for rules that compare scenes.
-    pub scenes: lint::Scenes,
+    pub scenes: Scenes,
 }
 
 /// A file that was read, evaluated and linted.

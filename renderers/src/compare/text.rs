@@ -34,7 +34,7 @@ fn render(comparison: &Comparison, text: &mut String) -> std::fmt::Result {
     }
     let tiles = &comparison.tiles;
     let columns = tiles.rows.first().map_or(0, Vec::len);
-    writeln!(text, "ratios B/A in {} x {} tiles, all channels", columns, tiles.rows.len())?;
+    writeln!(text, "ratios B/A in {} x {} tiles, all channels (-: A is black)", columns, tiles.rows.len())?;
     for row in &tiles.rows {
         for tile in row {
             let ratio = tile.overall.map_or_else(|| "-".to_owned(), ratio);

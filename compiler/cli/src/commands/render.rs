@@ -86,6 +86,13 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
 
 /// The driver called `name`.
 pub fn find_driver(name: &str) -> Result<&'static Driver, Failure> {
+    if name.contains(',') {
+        return Err(Failure::new(
+            Exit::Usage,
+            format!("`--renderer {name}` names several renderers, and one image comes from one"),
+        )
+        .help("render once for each, or compare them by `ltsc agree`"));
+    }
     driver(name).ok_or_else(|| {
         let known: Vec<&str> = ltsc_render::run::DRIVERS.iter().map(|driver| driver.name).collect();
         let failure = Failure::new(Exit::Usage, format!("there is no renderer `{name}`"));

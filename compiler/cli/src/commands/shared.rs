@@ -392,6 +392,8 @@ pub struct One {
     file: CheckedFile,
     /// What was lost before any target was asked.
     before: Vec<Finding>,
+    /// The file as it was named.
+    shown: PathBuf,
 }
 
 impl One {
@@ -413,6 +415,20 @@ impl One {
         }
         // People get a line for each target below, and what forbids to go on.
         let all = lost.into_iter().filter(|located| format != Format::Human || denied(located)).collect();
+        if format == Format::Human && !refused {
+            // `lint` shows them: a sweep of renderings does not say the same again each time.
+            let (_, counts) = counted(std::slice::from_ref(&self.file), all);
+            if counts.warnings > 0 {
+                let plural = if counts.warnings == 1 { "" } else { "s" };
+                terminal::say(&format!(
+                    "{} warning{plural}: `ltsc lint {}` shows what",
+                    counts.warnings,
+                    self.shown.display()
+                ));
+            }
+            say_losses(&[&ledgers]);
+            return Ok(Exit::Done);
+        }
         let (exit, _) = report(std::slice::from_ref(&self.file), all, format, false, true);
         if format == Format::Human {
             say_losses(&[&ledgers]);
@@ -441,6 +457,7 @@ impl One {
 /// back.
 pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) -> Result<Result<One, Exit>, Failure> {
     let project = Project::of(file)?;
+    let shown = file.to_path_buf();
     if file.is_dir() {
         return Err(Failure::new(Exit::Usage, format!("{} is a folder", file.display())).help("name one scene"));
     }
@@ -466,7 +483,7 @@ pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) ->
     let before = file.checked.losses().chain(&remarks).cloned().collect();
     file.checked.findings.extend(remarks);
     match scene {
-        Some(scene) => Ok(Ok(One { project, scene, camera, hash, file, before })),
+        Some(scene) => Ok(Ok(One { project, scene, camera, hash, file, before, shown })),
         None => Ok(Err(refuse(&[file]))),
     }
 }

@@ -87,7 +87,7 @@ pub const CODES: &[Code] = &[
     code("invalid-film", "A film has no pixels, too many, or a filter without extent."),
     code(
         "invalid-group",
-        "A group is empty, or its instances cannot be multiplied out.\nGroups may lie 128 deep in each other and make 10 million shapes and instances.",
+        "The instances of a group cannot be multiplied out, or nothing is left in a group after lowering.\nGroups may lie 128 deep in each other and make 10 million shapes and instances.",
     ),
     code(
         "invalid-image-file",

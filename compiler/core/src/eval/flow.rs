@@ -266,7 +266,7 @@ impl Interpreter<'_> {
         text: &str,
     ) -> Result<(Value, Span), Reported> {
         // A shell takes quotes away: a bare word is the string itself.
-        if typed.is_string() && !text.starts_with('"') {
+        if typed.is_string() && !text.starts_with('\u{22}') {
             let file = self.sources.add(format!("--set {}={text}", name.text), text);
             return Ok((Value::String(text.into()), Span::new(file, 0, text.len())));
         }

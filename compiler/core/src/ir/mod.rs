@@ -36,6 +36,7 @@ mod mesh;
 mod settings;
 mod shape;
 mod spectrum;
+mod suite;
 mod texture;
 
 pub use affine::{Affine, Vec3, cross, dot, length, normalized, sub};
@@ -52,6 +53,7 @@ pub use mesh::Mesh;
 pub use settings::{Film, Filter, Integrator, Sampler};
 pub use shape::{Emission, Shape};
 pub use spectrum::{Meaning, Spectrum};
+pub use suite::Scenes;
 pub use texture::{ColorOrTexture, Encoding, ImageFile, ImageFormat, ImageInfo, Texture};
 
 use crate::diag::Origin;

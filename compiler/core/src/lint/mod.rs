@@ -39,7 +39,6 @@ mod reflectance_over_one;
 mod rough_too_small;
 mod same_paths;
 mod saturated_albedo;
-mod scenes;
 mod smooth_emitter;
 mod undocumented_scene;
 mod unknown_similar;
@@ -51,11 +50,9 @@ mod wide_roughness;
 use std::cell::OnceCell;
 use std::collections::BTreeMap;
 
-pub use scenes::Scenes;
-
 use crate::contact::Contacts;
 use crate::diag::{CODES, Finding, Label, Origin, Severity, Span, nearest};
-use crate::ir::{Camera, Handle, Mesh, Scene};
+use crate::ir::{Camera, Handle, Mesh, Scene, Scenes};
 use crate::mesh::{Faults, View, faults, is_closed};
 use crate::survey::{Placed, Survey};
 

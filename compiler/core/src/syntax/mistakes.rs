@@ -99,7 +99,8 @@ impl Seen<'_> {
         if rest.starts_with("**") || rest.starts_with('*') && before.ends_with('*') {
             return here(1, "there is no `**`", "write `pow(a, b)`");
         }
-        if rest.starts_with("with") && before.ends_with("|>") {
+        let piped = |text: &str| text.trim_end().ends_with("|>");
+        if rest.starts_with("with") && piped(before) || before.strip_suffix("with").is_some_and(piped) {
             return here(4, "`with` needs no `|>`", "remove the `|>` before `with`");
         }
         if rest.starts_with('(')

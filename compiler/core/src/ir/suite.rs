@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
-use crate::ir::{Documentation, LightPaths};
+use super::{Documentation, LightPaths};
 
 /// The documentation of a project's scenes by name. Cheap to clone.
 #[derive(Clone, Debug, Default)]
@@ -45,7 +45,7 @@ impl std::ops::Deref for Scenes {
 impl Scenes {
     /// Of the scenes that test the same classes of light paths as the scene `name`, and of which neither calls the other similar,
     /// up to `most`, those next to it by name first; and how many there are.
-    pub(super) fn with_same_paths(&self, name: &str, own: &Documentation, most: usize) -> (Vec<&str>, usize) {
+    pub fn with_same_paths(&self, name: &str, own: &Documentation, most: usize) -> (Vec<&str>, usize) {
         let Some(alike) = self.0.by_paths.get(&classes(own)) else { return (Vec::new(), 0) };
         let here = alike.partition_point(|other| other.as_str() < name);
         let named = own.similar.iter().map(|similar| similar.scene.as_str());
