@@ -7,6 +7,7 @@ mod cases;
 mod cli;
 mod conventions;
 mod edits;
+mod endless;
 mod files;
 mod fixes;
 mod format;
@@ -33,6 +34,7 @@ mod signals;
 mod similar;
 mod thesis;
 mod tidy;
+mod user;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

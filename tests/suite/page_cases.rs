@@ -80,7 +80,7 @@ fn findings(rule: &str, block: &str) -> Vec<Finding> {
     assert_eq!(scenes.len(), paths.len(), "scenes of one block have names of their own:\n{block}");
     let mut levels = Levels::default();
     levels.set(rule, Level::Warn).expect("a rule");
-    let options = Options { scenes, levels, ..Options::default() };
+    let options = Options { scenes: scenes.into(), levels, ..Options::default() };
     let of = |path| check(&files, &mut Sources::default(), path, &options).findings;
     paths.iter().flat_map(of).collect()
 }

@@ -5,9 +5,13 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done, or the answer is yes; 1 the answer is no (findings at deny, stale files, a difference beyond the
-tolerance); 2 wrong usage; 3 input unreadable or malformed; 4 a renderer or the environment missing or failed; 70 a fault
-of ltsc itself; 130, 143, 129 in shells: ended by SIGINT, SIGTERM, SIGHUP.";
+Exit codes:
+   0  done, or the answer is yes
+   1  the answer is no: findings at `deny`, stale files, a difference beyond the tolerance
+   2  wrong usage
+   3  an input that cannot be read, or is malformed
+   4  a renderer or the environment is missing or failed
+  70  an internal error (a bug in ltsc)";
 
 /// Compiler and translator for light-transport test scenes.
 ///
@@ -53,6 +57,9 @@ impl Format {
 
 #[derive(Subcommand, Debug)]
 pub enum Command {
+    /// Make a new project: an `ltsc.toml` and a first scene.
+    #[command(after_help = "Example:\n  ltsc init scenes\n  cd scenes\n  ltsc lint\n  ltsc build")]
+    Init(Init),
     /// Generate every scene for every target.
     ///
     /// Without PATH the project that the current folder belongs to: the nearest folder upward with an `ltsc.toml`. Files
@@ -61,12 +68,12 @@ pub enum Command {
         after_help = "Examples:\n  ltsc build\n  ltsc build scenes-src\n  ltsc build scenes-src/ring.lts --target pbrt\n  ltsc build --check"
     )]
     Build(Build),
-    /// Check scenes: errors, and where they leave what renderers agree on.
+    /// Check scenes: errors, and what renderers do not agree on.
     #[command(
         after_help = "Examples:\n  ltsc lint\n  ltsc lint scenes-src/ring.lts --format short\n  ltsc lint --deny warnings --format github\n  ltsc lint --format sarif > ltsc.sarif\n  ltsc lint --target pbrt-v4 --deny loss-approximated\n  ltsc lint --fix            (--diff shows what it would change)\n  ltsc explain smooth-emitter"
     )]
     Lint(Lint),
-    /// Give scenes and libraries their one canonical form.
+    /// Format scenes and libraries.
     ///
     /// Comments stay, numbers stay as written, the meaning never changes. Without PATH the scenes of the project that the
     /// current folder belongs to; `-` reads standard input and writes standard output.
@@ -74,13 +81,11 @@ pub enum Command {
         after_help = "Examples:\n  ltsc fmt\n  ltsc fmt scenes-src/ring.lts\n  ltsc fmt --check          (exit 1 where something would change)\n  ltsc fmt --check --format github\n  ltsc fmt - < draft.lts > ring.lts"
     )]
     Fmt(Fmt),
-    /// Say which scenes of the project are near a scene, and what follows from it.
+    /// Find scenes of the project that test similar light paths.
     ///
-    /// Near are scenes that test the same classes of light paths (half of the score), have the same materials (a quarter), and whose
-    /// briefs share words (a quarter). From 0.5 on, or where the briefs alone reach 0.6, a scene should say in `similar` why it
-    /// stands beside the other; from 0.9 on one of them may be enough. The bounds are those that tell the pairs of the eleven scenes of
-    /// the lteval suite that name each other from those that do not (of 11 pairs they find 10, and no other). FILE may be a draft
-    /// anywhere below the project's root.
+    /// The score compares the classes of light paths (half of it), the materials (a quarter), and the words of the briefs (a
+    /// quarter). From 0.5 on, or where the briefs alone reach 0.6, two scenes are near: the scene should say in `similar` why both
+    /// are kept. From 0.9 on one of them may be enough. SCENE may be a draft anywhere below the project's root.
     #[command(
         after_help = "Examples:\n  ltsc similar scenes-src/cboxm_diffuse_lvar.lts\n  ltsc similar draft.lts --all\n  ltsc similar draft.lts --format json"
     )]
@@ -92,10 +97,10 @@ pub enum Command {
         after_help = "Examples:\n  ltsc emit scenes-src/ring.lts --target pbrt\n  ltsc emit ring.lts --target glb -o /tmp/ring --width 128 --height 128\n  ltsc emit ring.lts --target glb --option glb.instancing\n  ltsc emit --target mitsuba-3"
     )]
     Emit(Emit),
-    /// Read generated files back from their text and compare them with the scene: light, materials, camera, depth, size.
+    /// Check generated files against the scene: light, materials, camera, depth, size.
     ///
-    /// `build` and `emit` do the same with what they write, and keep nothing that differs. This is for files that are there: it
-    /// prints what each target's files say beside what the scene says, and exits with 1 where they differ. Without PATH the scenes
+    /// `build` and `emit` do this with what they write, and keep nothing that differs. `audit` is for files that exist: it reads them,
+    /// prints what they say beside what the scene says, and exits with 1 where they differ. Without PATH the scenes
     /// of the project that the current folder belongs to.
     #[command(
         after_help = "Examples:\n  ltsc audit\n  ltsc audit scenes-src/ring.lts --target pbrt-v4,luxcore\n  ltsc audit scenes-src/ring.lts --format json\n  ltsc audit ring.lts --target gltf --folder ring-gltf    (a folder that `emit` wrote)"
@@ -111,24 +116,24 @@ pub enum Command {
         after_help = "Examples:\n  ltsc diff a.exr b.exr\n  ltsc diff reference.exr b.exr --reduce -o difference\n  ltsc diff a.exr b.exr --tolerance 0.02 --format json"
     )]
     Diff(Diff),
-    /// Say whether renderers agree on scenes, beyond the noise of their images.
+    /// Test whether renderers agree on scenes, beyond the noise of their images.
     ///
     /// Renders each scene in each renderer with several seeds, and compares them in pairs: the means, and the tiles of an 8 x 8 grid
     /// against the noise that the seeds show. With `--record` the results are kept, and a page is made of them.
     #[command(
-        after_help = "Examples:\n  ltsc agree scenes-src/ring.lts\n  ltsc agree scenes-src/ring.lts --renderer mitsuba-3,cycles --seeds 8 --samples 128\n  ltsc agree --keep images --record docs/agreement.json\n  ltsc agree --check --record docs/agreement.json    (exit 1 where the page is not what the record says)"
+        after_help = "Examples:\n  ltsc agree scenes-src/ring.lts\n  ltsc agree scenes-src/ring.lts --renderer mitsuba-3,cycles --seeds 8 --samples 128\n  ltsc agree --keep images --record docs/agreement.json\n  ltsc agree --check --record docs/agreement.json    (exit 1 if the page is stale)"
     )]
     Agree(Agree),
     /// List and install renderers.
     Renderers(Renderers),
-    /// Measure what renderers mean by a scene, by micro-scenes whose answer is known.
+    /// Test a renderer's conventions with micro-scenes of known answers.
     ///
-    /// Each isolates one convention: the axis of the field of view, the side that a lamp shines from, how the depth of paths
-    /// is counted, Fresnel terms, and so on. The answer is a formula, a quadrature, or a measurement that says of what. A row
-    /// `holds`, is `approximate` (off by no more than what is said of the target), `unsupported` (said not to be there) or `fails`; if one
-    /// fails, the exit code is 1.
+    /// Each tests one convention: the axis of the field of view, the side that a lamp shines from, how the depth of paths is counted,
+    /// Fresnel terms, and so on. The answer is a formula, a quadrature, or a measurement. A row `holds`, is `approximate` (off by no
+    /// more than `ltsc explain --target NAME` says), `unsupported` (the target does not have it), or `fails`; if one fails, the exit
+    /// code is 1.
     #[command(
-        after_help = "Examples:\n  ltsc conventions --list\n  ltsc conventions --renderer mitsuba-3\n  ltsc conventions --renderer luxcore --only path_depth,conductor_alpha\n  ltsc conventions --renderer cycles --executable blender --format json\n  ltsc conventions --renderer mitsuba-3,luxcore,cycles -o docs   (keeps the numbers, writes docs/renderers.md)\n  ltsc conventions -o docs --stored --check   (exit 1 where the page is not what the stored numbers say)"
+        after_help = "Examples:\n  ltsc conventions --list\n  ltsc conventions --renderer mitsuba-3\n  ltsc conventions --renderer luxcore --only path_depth,conductor_alpha\n  ltsc conventions --renderer cycles --executable blender --format json\n  ltsc conventions --renderer mitsuba-3,luxcore,cycles -o docs   (keeps the numbers, writes docs/renderers.md)\n  ltsc conventions -o docs --stored --check   (exit 1 if the page is stale)"
     )]
     Conventions(Conventions),
     /// Explain a finding, a constructor of the language, or a target.
@@ -136,19 +141,19 @@ pub enum Command {
         after_help = "Examples:\n  ltsc explain smooth-emitter\n  ltsc explain diffuse\n  ltsc explain --target luxcore\n  ltsc explain            (lists what can be explained)"
     )]
     Explain(Explain),
-    /// Write the catalogue of scenes: a page for each, and what they test together.
+    /// Generate the scene catalog: a page for each scene, and a table of the light paths that they test.
     ///
     /// A page has the scene's documentation, a line drawing, its numbers, lights and materials, and pictures by Mitsuba 3 and
     /// LuxCore where they were rendered. Without PATH the scenes of the project that the current folder belongs to.
     #[command(
-        after_help = "Examples:\n  ltsc doc\n  ltsc doc --format html -o site\n  ltsc doc --render            (pictures again, by the renderers that are there)\n  ltsc doc --check             (exit 1 where a page is not what it would become)"
+        after_help = "Examples:\n  ltsc doc\n  ltsc doc --format html -o site\n  ltsc doc --render            (pictures again, by the renderers that are there)\n  ltsc doc --check             (exit 1 if a page is stale)"
     )]
     Doc(Doc),
     /// Print the reference manual in Markdown, or write it.
     ///
     /// Made from the tables that the compiler itself runs on: the language with every constructor, the findings, the targets.
     #[command(
-        after_help = "Examples:\n  ltsc manual                  (lists the pages)\n  ltsc manual reference | less\n  ltsc manual -o docs\n  ltsc manual -o docs --check  (exit 1 where a file is not what it would become)"
+        after_help = "Examples:\n  ltsc manual                  (lists the pages)\n  ltsc manual reference | less\n  ltsc manual -o docs\n  ltsc manual -o docs --check  (exit 1 if a file is stale)"
     )]
     Manual(Manual),
     /// Print the completions of a shell.
@@ -165,13 +170,13 @@ pub struct Findings {
     /// How findings are printed.
     #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
     pub format: Format,
-    /// Drop findings: a code, `all` for every rule, or `warnings`; also by LTSC_ALLOW.
+    /// Accept findings: a code, `all` for every rule, or `warnings`. Also LTSC_ALLOW.
     #[arg(long, value_name = "CODE", value_delimiter = ',')]
     pub allow: Vec<String>,
-    /// Show findings and go on; also by LTSC_WARN.
+    /// Report findings as warnings. Also LTSC_WARN.
     #[arg(long, value_name = "CODE", value_delimiter = ',')]
     pub warn: Vec<String>,
-    /// Show findings and fail; also by LTSC_DENY. The command line is stronger than the variables, these than ltsc.toml.
+    /// Report findings and fail. Also LTSC_DENY. The command line overrides the variables, and these override ltsc.toml.
     #[arg(long, value_name = "CODE", value_delimiter = ',')]
     pub deny: Vec<String>,
     /// Ignore the `allow` statements of scenes.
@@ -204,19 +209,19 @@ pub struct Limits {
 #[derive(Args, Debug)]
 pub struct Settings {
     /// Width of the image in pixels.
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub width: Option<u32>,
     /// Height of the image in pixels.
-    #[arg(long, value_name = "PIXELS", value_parser = clap::value_parser!(u32).range(1..=65_536))]
+    #[arg(long, value_name = "PIXELS", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..=65_536))]
     pub height: Option<u32>,
     /// Samples per pixel.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     pub samples: Option<u32>,
     /// Segments of a path, the camera's and the light's included.
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", allow_negative_numbers = true, value_parser = clap::value_parser!(u32).range(1..))]
     pub max_depth: Option<u32>,
     /// Start of the random numbers.
-    #[arg(long, value_name = "N")]
+    #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub seed: Option<u32>,
     /// The value of a parameter that the scene declares by `param`; may be given several times.
     #[arg(long, value_name = "NAME=VALUE")]
@@ -227,16 +232,22 @@ pub struct Settings {
 }
 
 #[derive(Args, Debug)]
+pub struct Init {
+    /// The folder of the project [default: the current folder]; it is made if it is not there.
+    pub folder: Option<PathBuf>,
+}
+
+#[derive(Args, Debug)]
 pub struct Build {
     /// Scene files, or folders with scenes.
     pub paths: Vec<PathBuf>,
-    /// Write nothing; exit with 1 and name the files where the generated folder is not what it would become.
+    /// Write nothing; list files that are stale, and exit with 1 if there are any.
     #[arg(long)]
     pub check: bool,
     /// Only these targets [default: those of ltsc.toml, else all].
     #[arg(long, value_name = "TARGET", value_delimiter = ',')]
     pub target: Vec<String>,
-    /// Something that a target does only where it is asked for, as `gltf.instancing`; `ltsc explain --target NAME` lists them.
+    /// An option of a target, such as `gltf.instancing`; `ltsc explain --target NAME` lists them.
     #[arg(long, value_name = "TARGET.OPTION", value_delimiter = ',')]
     pub option: Vec<String>,
     /// Write below this folder [default: that of ltsc.toml, else `generated` beside the scenes].
@@ -245,6 +256,9 @@ pub struct Build {
     /// Write also over files that ltsc did not write, or that were changed since.
     #[arg(long)]
     pub force: bool,
+    /// The value of a parameter that the scene declares by `param`, for one scene; may be given several times.
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
     /// Write nothing; print a table of the time that each scene takes and the bytes that it becomes, in Markdown.
     #[arg(long, conflicts_with_all = ["check", "output", "force"])]
     pub stats: bool,
@@ -256,15 +270,18 @@ pub struct Build {
 pub struct Lint {
     /// Scene files, or folders with scenes.
     pub paths: Vec<PathBuf>,
-    /// Write the scenes anew where a finding has one right answer; nothing else in them changes.
+    /// Fix findings that have one right answer; nothing else in the scenes changes.
     #[arg(long)]
     pub fix: bool,
     /// Write nothing; show what `--fix` would change, and exit with 1 if it would.
     #[arg(long)]
     pub diff: bool,
-    /// Leave out limits that exist for other targets only, and say what these cannot say exactly.
+    /// Check for these targets only, and report what they approximate or do not support.
     #[arg(long, value_name = "TARGET", value_delimiter = ',')]
     pub target: Vec<String>,
+    /// The value of a parameter that the scene declares by `param`, for one scene; may be given several times.
+    #[arg(long, value_name = "NAME=VALUE", conflicts_with_all = ["fix", "diff"])]
+    pub set: Vec<String>,
     #[command(flatten)]
     pub findings: Findings,
 }
@@ -301,10 +318,10 @@ pub struct Similar {
 pub struct Emit {
     /// The scene file.
     pub scene: Option<PathBuf>,
-    /// The target, for example `mitsuba`, `pbrt`, `gltf`.
-    #[arg(long, value_name = "TARGET", required = true)]
+    /// The target: mitsuba-3, mitsuba-0.6, mitsuba-0.5, pbrt-v4, pbrt-v3, luxcore, cycles, gltf or glb.
+    #[arg(long, value_name = "TARGET", default_value = "", hide_default_value = true)]
     pub target: String,
-    /// Something that a target does only where it is asked for, as `gltf.instancing`; `ltsc explain --target NAME` lists them.
+    /// An option of a target, such as `gltf.instancing`; `ltsc explain --target NAME` lists them.
     #[arg(long, value_name = "TARGET.OPTION", value_delimiter = ',')]
     pub option: Vec<String>,
     /// The folder to write [default: `./<scene>-<target>`].
@@ -536,7 +553,7 @@ pub struct Conventions {
     /// numbers are those below `--output`, by default `docs`.
     #[arg(long, conflicts_with_all = ["renderer", "only", "list", "stored"])]
     pub coverage: bool,
-    /// Write nothing; exit with 1 and name the files that are not what they would become.
+    /// Write nothing; list files that are stale, and exit with 1 if there are any.
     #[arg(long, requires = "stored")]
     pub check: bool,
     /// Write also over files that ltsc did not write, or that were changed since.
@@ -560,7 +577,7 @@ pub struct Conventions {
 pub struct Explain {
     /// The code of a finding, or the name of a constructor.
     pub what: Option<String>,
-    /// What a target can say, and how exactly.
+    /// What a target supports, and how exactly.
     #[arg(long, value_name = "TARGET")]
     pub target: Option<String>,
 }
@@ -573,7 +590,7 @@ pub struct Manual {
     /// Write all pages into this folder, each as `<page>.md`.
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write nothing; exit with 1 and name the files where the folder is not what it would become.
+    /// Write nothing; list files that are stale, and exit with 1 if there are any.
     #[arg(long, requires = "output")]
     pub check: bool,
     /// Write also over files that ltsc did not write, or that were changed since.
@@ -600,7 +617,7 @@ pub struct Doc {
     /// How pages are written.
     #[arg(long, value_enum, default_value_t = DocFormat::Markdown)]
     pub format: DocFormat,
-    /// Write nothing; exit with 1 and name the files where the folder is not what it would become.
+    /// Write nothing; list files that are stale, and exit with 1 if there are any.
     #[arg(long, conflicts_with = "render")]
     pub check: bool,
     /// Write also over files that ltsc did not write, or that were changed since.

@@ -18,6 +18,17 @@ use ltsc_render::{guard, supervisor};
 /// Bytes of stack of each thread. The deepest recursion is that of nested expressions; this is far more than it needs.
 const STACK: usize = 64 << 20;
 
+/// Prints what clap says, without its advice to write `--` before an option that is not known: no command takes it that way.
+fn show(error: &clap::Error) {
+    let asked = !error.use_stderr();
+    let text = error.render();
+    let text = if terminal::colored(asked) { text.ansi().to_string() } else { text.to_string() };
+    let mut kept: Vec<&str> = text.lines().filter(|line| !line.contains("as a value, use '")).collect();
+    kept.dedup_by(|a, b| a.is_empty() && b.is_empty());
+    let kept = kept.join("\n");
+    if asked { terminal::print(&(kept + "\n")) } else { terminal::say(kept.trim_end()) }
+}
+
 fn main() -> ExitCode {
     let mut words = std::env::args_os().skip(1);
     if words.next().is_some_and(|word| word == supervisor::MARK) {
@@ -27,7 +38,7 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => {
             let asked = !error.use_stderr();
-            let _shown = error.print();
+            show(&error);
             return if asked { output::Exit::Done.into() } else { output::Exit::Usage.into() };
         }
     };
@@ -37,7 +48,10 @@ fn main() -> ExitCode {
     }
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map_or(String::new(), |at| format!(" ({}:{})", at.file(), at.line()));
-        terminal::error(&format!("a fault of ltsc itself{place}: {}", terminal::panic_text(panic.payload())));
+        terminal::error(&format!(
+            "an internal error (a bug in ltsc){place}: {}",
+            terminal::panic_text(panic.payload())
+        ));
         terminal::error("please report it with the command and the scene");
     }));
     let worker = std::thread::Builder::new().stack_size(STACK).spawn(move || {

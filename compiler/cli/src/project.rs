@@ -84,6 +84,14 @@ pub fn around(file: &Path) -> PathBuf {
     folder.ancestors().find(|folder| has_file(folder)).unwrap_or(&folder).to_path_buf()
 }
 
+/// Rules for files outside of projects: a draft need not be documented. What the command line or the variables say is stronger.
+fn draft_levels() -> Levels {
+    let mut levels = Levels::default();
+    // The rule is there, as a test shows.
+    let _known = levels.set("undocumented-scene", Level::Allow);
+    levels
+}
+
 impl Project {
     /// The project of `path`: the nearest folder upward with an `ltsc.toml`; without one, the folder itself, or for a
     /// file the parent of its folder.
@@ -104,7 +112,7 @@ impl Project {
             generated: beside,
             targets: TARGETS.iter().collect(),
             choices: Choices::default(),
-            levels: Levels::default(),
+            levels: draft_levels(),
             limits: Limits::default(),
             programs: BTreeMap::new(),
         })
@@ -117,7 +125,7 @@ impl Project {
         match current.ancestors().find(|folder| has_file(folder)) {
             Some(folder) => Self::load(folder),
             None => Err(Failure::new(Exit::Usage, format!("there is no `{FILE}` in this folder or above it"))
-                .help("name a scene or a folder of scenes, or write an `ltsc.toml` (it may be empty)")),
+                .help("name a scene or a folder of scenes, or make a project with `ltsc init`; an empty `ltsc.toml` looks for scenes in `scenes-src`, one that says `scenes = \".\"` beside it")),
         }
     }
 
@@ -327,25 +335,47 @@ pub fn target(name: &str) -> Result<&'static Target, Failure> {
     })
 }
 
+/// Scene files that were looked for.
+#[derive(Default)]
+pub struct Found {
+    /// In the order of their paths.
+    pub files: Vec<PathBuf>,
+    /// Folders that cannot be read: they do not hide what lies beside them.
+    pub problems: Vec<Failure>,
+}
+
 /// The scene files that `path` stands for: itself, or all `.lts` files below it, sorted. Hidden folders and links to
 /// folders are passed over.
-pub fn scene_files(path: &Path) -> Result<Vec<PathBuf>, Failure> {
+pub fn scene_files(path: &Path) -> Result<Found, Failure> {
     let unreadable = |path: &Path, error: std::io::Error| {
         Failure::new(Exit::Input, format!("{} cannot be read: {error}", path.display()))
     };
     let meta = fs::metadata(path).map_err(|error| unreadable(path, error))?;
     if !meta.is_dir() {
-        return Ok(vec![path.to_path_buf()]);
+        return Ok(Found { files: vec![path.to_path_buf()], problems: Vec::new() });
     }
-    let mut found = Vec::new();
+    let Found { files: mut found, mut problems } = Found::default();
     let mut folders = vec![path.to_path_buf()];
     while let Some(folder) = folders.pop() {
-        for entry in fs::read_dir(&folder).map_err(|error| unreadable(&folder, error))? {
-            let entry = entry.map_err(|error| unreadable(&folder, error))?;
-            if entry.file_name().to_string_lossy().starts_with('.') {
+        let entries = match fs::read_dir(&folder) {
+            Ok(entries) => entries,
+            Err(error) => {
+                problems.push(unreadable(&folder, error));
                 continue;
             }
-            let kind = entry.file_type().map_err(|error| unreadable(&folder, error))?;
+        };
+        for entry in entries {
+            let kind = entry.and_then(|entry| Ok((entry.file_type()?, entry)));
+            let (kind, entry) = match kind {
+                Ok(both) => both,
+                Err(error) => {
+                    problems.push(unreadable(&folder, error));
+                    continue;
+                }
+            };
+            if entry.file_name().as_encoded_bytes().starts_with(b".") {
+                continue;
+            }
             if kind.is_dir() {
                 folders.push(entry.path());
             } else if entry.path().extension().is_some_and(|ending| ending == "lts") {
@@ -354,9 +384,10 @@ pub fn scene_files(path: &Path) -> Result<Vec<PathBuf>, Failure> {
         }
     }
     found.sort();
-    if found.is_empty() {
+    problems.sort_by(|a, b| a.message.cmp(&b.message));
+    if found.is_empty() && problems.is_empty() {
         return Err(Failure::new(Exit::Usage, format!("there is no scene below {}", path.display()))
             .help("scenes are files ending in `.lts`"));
     }
-    Ok(found)
+    Ok(Found { files: found, problems })
 }

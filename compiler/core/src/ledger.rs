@@ -4,6 +4,8 @@
 //! ([`Target::conversions`]), the bounds that hold for this very scene ([`Target::bound`]), and what lowering baked. Written beside
 //! the files of the target as `ledger.json`, and said as findings.
 
+use std::collections::BTreeMap;
+
 use serde::Serialize;
 
 use crate::capability::{Bound, Support, features};
@@ -21,15 +23,18 @@ pub struct Ledger {
     pub scene: String,
     /// The target's name.
     pub target: &'static str,
+    /// The scene's parameters with their values.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, String>,
     /// What it says with the same meaning and the same numbers.
     pub exact: Vec<&'static str>,
     /// What it says exactly with other numbers, and the formula.
     pub converted: Vec<Converted>,
-    /// What it says nearly.
+    /// What it has no exact equivalent for.
     pub approximated: Vec<Approximated>,
     /// What was computed beforehand and stands no longer as the scene says it.
     pub baked: Vec<String>,
-    /// What it cannot say.
+    /// What it does not support.
     pub dropped: Vec<Dropped>,
     /// What was lost before any target was asked: what files of meshes and materials say that is not in the scene.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -45,7 +50,7 @@ pub struct Converted {
     pub formula: &'static str,
 }
 
-/// Something said nearly.
+/// Something that was approximated.
 #[derive(Clone, Debug, Serialize)]
 pub struct Approximated {
     /// What it is.
@@ -82,7 +87,7 @@ pub struct Unread {
     pub what: String,
 }
 
-/// Something that a target cannot say.
+/// Something that a target does not support.
 #[derive(Clone, Debug, Serialize)]
 pub struct Dropped {
     /// What it is.
@@ -101,6 +106,12 @@ impl Ledger {
         let mut ledger = Self {
             scene: scene.name.clone(),
             target: target.name,
+            parameters: scene
+                .documentation
+                .parameters
+                .iter()
+                .map(|one| (one.name.clone(), one.value.clone()))
+                .collect(),
             exact: Vec::new(),
             converted: Vec::new(),
             approximated: Vec::new(),
@@ -131,7 +142,7 @@ impl Ledger {
     pub fn findings(&self) -> Vec<Finding> {
         let name = self.target;
         let nearly = self.approximated.iter().map(|one| {
-            let message = format!("{name} says {} approximately: {}", one.what, one.why);
+            let message = format!("{name}: {} is approximated: {}", one.what, one.why);
             let finding = Finding::new("loss-approximated", Severity::Info, one.origin.clone(), message);
             let finding = finding.note(one.how_much);
             match &one.here {
@@ -140,7 +151,7 @@ impl Ledger {
             }
         });
         let dropped = self.dropped.iter().map(|one| {
-            let message = format!("{name} cannot say {}: {}", one.what, one.why);
+            let message = format!("{name}: {} is not supported: {}", one.what, one.why);
             Finding::new("loss-dropped", Severity::Warn, one.origin.clone(), message)
         });
         nearly.chain(dropped).collect()
@@ -155,7 +166,7 @@ impl Ledger {
 }
 
 /// A share in percent, to three digits.
-fn percent(share: f64) -> String {
+pub fn percent(share: f64) -> String {
     let percent = share * 100.0;
     let digits = if percent >= 100.0 {
         0

@@ -9,7 +9,7 @@ use crate::eval::{self, Allow, Evaluated, Overrides, SceneParameter};
 use crate::files::{Bytes, Files, Sink, VPath};
 use crate::fix;
 use crate::formats::{self, Choices, Emission, Target};
-use crate::ir::{Camera, Documentation, Handle, Scene};
+use crate::ir::{Camera, Handle, Scene, Scenes};
 use crate::ledger::{self, Ledger};
 use crate::lint::{self, Around, Levels, UnusedName};
 use crate::lower;
@@ -27,7 +27,7 @@ pub struct Options {
     /// Leaves out rules that exist for none of these targets; none are all.
     pub targets: Vec<&'static str>,
     /// The documentation of the project's scenes, for rules that compare scenes.
-    pub scenes: BTreeMap<String, Documentation>,
+    pub scenes: Scenes,
 }
 
 /// A file that was read, evaluated and linted.
@@ -71,6 +71,23 @@ const FOREIGN: &[(&str, &str)] = &[
     ("usdc", "a scene in USD"),
     ("obj", MESH),
     ("ply", MESH),
+    ("stl", MESH),
+    ("py", "a program in Python"),
+    ("rs", "a program"),
+    ("c", "a program"),
+    ("cpp", "a program"),
+    ("sh", "a program"),
+    ("json", "JSON"),
+    ("toml", "TOML"),
+    ("yaml", "YAML"),
+    ("yml", "YAML"),
+    ("md", "Markdown"),
+    ("html", "HTML"),
+    ("npy", "an array of NumPy"),
+    ("exr", "an image"),
+    ("png", "an image"),
+    ("jpg", "an image"),
+    ("hdr", "an image"),
 ];
 
 const MESH: &str = "a mesh";
@@ -84,9 +101,11 @@ fn foreign(path: &VPath) -> Option<Finding> {
     Some(if *what == MESH {
         finding.help(format!("name it in a scene: `shape a = file(\"{path}\") with diffuse(0.5)`"))
     } else {
-        finding
-            .note("importers for other formats come in a later version of ltsc; it will be checked by the same rules then")
-            .help("name a `.lts` file")
+        if what.starts_with("a scene") || what.starts_with("a configuration") {
+            finding.note("scenes of other formats are not imported yet").help("name a `.lts` file")
+        } else {
+            finding.help("name a `.lts` file")
+        }
     })
 }
 
@@ -96,7 +115,7 @@ pub const FAULT: &str = "internal-fault";
 /// That ltsc failed on the file at `path`, where a panic said `problem`.
 pub fn fault(path: &VPath, problem: &str) -> Checked {
     let origin = Origin::File { path: path.as_str().to_owned(), place: String::new() };
-    let finding = Finding::error(FAULT, origin, format!("a fault of ltsc itself: {problem}"))
+    let finding = Finding::error(FAULT, origin, format!("an internal error (a bug in ltsc): {problem}"))
         .help("please report it with the file");
     Checked { findings: vec![finding], ..Checked::default() }
 }

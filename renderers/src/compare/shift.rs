@@ -5,6 +5,13 @@ use serde::{Deserialize, Serialize};
 use super::Pair;
 use crate::image::finite;
 
+/// How many standard errors a shift must make the images more equal by. Noise alone reaches 4 in one of 30 000 shifts, and 25 are
+/// tried.
+const SIGNIFICANT: f64 = 4.0;
+
+/// Parts of each side of the image whose improvements are compared to tell a shift from noise.
+const PARTS: usize = 8;
+
 /// A shift that moves B onto A.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shift {
@@ -19,8 +26,8 @@ pub struct Shift {
 }
 
 /// Tries all shifts up to `reach` in each direction and takes the one with the least mean absolute
-/// difference; of equal ones the shortest. Only those pixels of A are used that every shift covers,
-/// and nothing is given if there are none.
+/// difference; of equal ones the shortest; none where noise may have made the difference as well. Only those pixels of A are used
+/// that every shift covers, and nothing is given if there are none.
 pub(super) fn best(pair: &Pair, reach: usize) -> Option<Shift> {
     let bound = i64::try_from(reach).ok()?;
     let mut shifts: Vec<(i64, i64)> =
@@ -35,7 +42,36 @@ pub(super) fn best(pair: &Pair, reach: usize) -> Option<Shift> {
             best = Shift { dx, dy, error, ..best };
         }
     }
-    Some(best)
+    let found = (best.dx, best.dy) == (0, 0) || is_significant(pair, reach, (best.dx, best.dy));
+    Some(if found { best } else { Shift { dx: 0, dy: 0, error: unshifted, error_unshifted: unshifted } })
+}
+
+/// Whether the shift makes parts of the image more equal everywhere, and not by chance in a few of them.
+fn is_significant(pair: &Pair, reach: usize, (dx, dy): (i64, i64)) -> bool {
+    let inner = |size: usize| size.saturating_sub(2 * reach);
+    let (width, height) = (inner(pair.a.width), inner(pair.a.height));
+    let (columns, rows) = (PARTS.min(width).max(1), PARTS.min(height).max(1));
+    let mut parts = vec![(0.0, 0_usize); columns * rows];
+    let difference = |x: usize, y: usize, (dx, dy): (i64, i64)| {
+        let (a, b) =
+            (pair.a.at(x, y), pair.b.at(x.wrapping_add_signed(-dx as isize), y.wrapping_add_signed(-dy as isize)));
+        (finite(&a) && finite(&b)).then(|| (0..3).map(|c| (f64::from(b[c]) - f64::from(a[c])).abs()).sum::<f64>())
+    };
+    for y in 0..height {
+        for x in 0..width {
+            let at = (x + reach, y + reach);
+            if let (Some(before), Some(after)) = (difference(at.0, at.1, (0, 0)), difference(at.0, at.1, (dx, dy))) {
+                let part = &mut parts[(y * rows / height) * columns + x * columns / width];
+                *part = (part.0 + before - after, part.1 + 1);
+            }
+        }
+    }
+    let gains: Vec<f64> =
+        parts.iter().filter(|(_, count)| *count > 0).map(|(sum, count)| sum / *count as f64).collect();
+    let count = gains.len() as f64;
+    let mean = gains.iter().sum::<f64>() / count;
+    let spread = gains.iter().map(|gain| (gain - mean) * (gain - mean)).sum::<f64>() / (count - 1.0);
+    count > 1.0 && mean > SIGNIFICANT * (spread / count).sqrt()
 }
 
 /// Mean absolute difference between A and B moved by the shift, over the inner pixels of A.
@@ -78,6 +114,29 @@ mod tests {
             assert_eq!((found.dx, found.dy), (-dx, -dy));
             assert_eq!(found.error, 0.0);
             assert_eq!(found.error_unshifted == 0.0, (dx, dy) == (0, 0));
+        }
+    }
+
+    #[test]
+    fn noise_is_no_shift() {
+        let mut state = 1_u64;
+        let mut next = || {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (state >> 40) as f32 / (1 << 24) as f32
+        };
+        for _ in 0..20 {
+            let mut noisy =
+                || Image { width: 24, height: 20, pixels: (0..480).map(|_| [next(), next(), next()]).collect() };
+            let (mut a, b) = (noisy(), noisy());
+            // A firefly in each, next to each other.
+            a.pixels[210] = [1000.0; 3];
+            let found = best(&Pair::new(&a, &b).expect("a pair"), 2).expect("large enough");
+            assert_eq!((found.dx, found.dy), (0, 0), "{found:?}");
+            // The same noise two pixels to the right is a shift.
+            let mut moved = b.clone();
+            moved.pixels.rotate_right(2);
+            let found = best(&Pair::new(&b, &moved).expect("a pair"), 2).expect("large enough");
+            assert_eq!((found.dx, found.dy), (-2, 0), "{found:?}");
         }
     }
 

@@ -34,7 +34,7 @@ fn render(comparison: &Comparison, text: &mut String) -> std::fmt::Result {
     }
     let tiles = &comparison.tiles;
     let columns = tiles.rows.first().map_or(0, Vec::len);
-    writeln!(text, "ratios B/A in {} x {} tiles, all channels", columns, tiles.rows.len())?;
+    writeln!(text, "ratios B/A in {} x {} tiles, all channels (-: A is black)", columns, tiles.rows.len())?;
     for row in &tiles.rows {
         for tile in row {
             let ratio = tile.overall.map_or_else(|| "-".to_owned(), ratio);
@@ -42,8 +42,10 @@ fn render(comparison: &Comparison, text: &mut String) -> std::fmt::Result {
         }
         writeln!(text)?;
     }
-    if let Some(tile) = &tiles.worst {
-        writeln!(text, "worst tile: {}", place(tile))?;
+    match &tiles.worst {
+        Some(tile) => writeln!(text, "worst tile: {}", place(tile))?,
+        None if tiles.worst_guarded.is_none() => writeln!(text, "worst tile: none, all are equal")?,
+        None => {}
     }
     if let Some(tile) = &tiles.worst_guarded
         && tiles.worst.is_none_or(|worst| (worst.column, worst.row) != (tile.column, tile.row))
@@ -92,6 +94,14 @@ mod tests {
     use super::super::{CompareOptions, compare};
     use super::*;
     use crate::image::Image;
+
+    #[test]
+    fn an_image_is_equal_to_itself() {
+        let mut a = Image::filled(8, 8, [0.5, 0.0, 2.0]);
+        a.pixels[..16].fill([0.0; 3]);
+        let text = to_text(&compare(&a, &a, &CompareOptions { tiles: 4, ..Default::default() }).expect("comparable"));
+        assert!(text.ends_with("worst tile: none, all are equal\nbest shift: none\n"), "{text}");
+    }
 
     #[test]
     fn columns_are_aligned() {

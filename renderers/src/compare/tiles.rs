@@ -18,7 +18,7 @@ pub type Tile = Value;
 pub struct Tiles {
     /// Rows of tiles from the top, each from the left.
     pub rows: Vec<Vec<Tile>>,
-    /// The tile whose ratio over all channels is farthest from 1.
+    /// The tile whose ratio over all channels is farthest from 1; none where all are 1.
     pub worst: Option<WorstTile>,
     /// The tile with the largest guarded deviation (see [`WorstTile::deviation`]).
     pub worst_guarded: Option<WorstTile>,
@@ -65,12 +65,12 @@ pub(super) fn tiles(pair: &Pair, wanted: usize) -> Tiles {
     Tiles { rows: found, worst: largest(&all, from_one), worst_guarded: largest(&all, |tile| tile.deviation) }
 }
 
-/// The first tile with the largest value.
+/// The first tile with the largest value above 0.
 fn largest(tiles: &[WorstTile], value: impl Fn(&WorstTile) -> Option<f64>) -> Option<WorstTile> {
     let mut best: Option<(f64, WorstTile)> = None;
     for tile in tiles {
         if let Some(value) = value(tile)
-            && best.is_none_or(|(most, _)| value > most)
+            && value > best.map_or(0.0, |(most, _)| most)
         {
             best = Some((value, *tile));
         }
@@ -143,6 +143,14 @@ mod tests {
         assert_eq!(found.rows[0][3].overall, None);
         assert_eq!(found.worst.map(|tile| tile.column), Some(0));
         assert_eq!(found.worst_guarded.map(|tile| tile.column), Some(1));
+    }
+
+    #[test]
+    fn equal_images_have_no_worst_tile() {
+        let mut a = Image::filled(4, 1, [1.0; 3]);
+        a.pixels[3] = [0.0; 3];
+        let found = tiles(&Pair::new(&a, &a).expect("a pair"), 4);
+        assert_eq!((found.worst, found.worst_guarded), (None, None));
     }
 
     #[test]

@@ -16,7 +16,7 @@ use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 use serde::{Deserialize, Serialize};
 
@@ -140,8 +140,16 @@ pub fn install(request: &InstallRequest, progress: &mut dyn FnMut(InstallProgres
     let folder = cache.renderer(driver.name, driver.version);
     fs::create_dir_all(&folder).map_err(InstallError::io(&folder))?;
     let lock = lock(&folder)?;
-    if let Status::Installed { path, version } = status_in_cache(driver, &cache) {
-        return Ok(Installed { path, version, folder, already: true });
+    if let Status::Installed { path, version: _ } = status_in_cache(driver, &cache) {
+        progress(InstallProgress::Step(Step::Verification));
+        match verify::verify(driver, &path, &folder, request.cancel.clone()) {
+            Ok(version) => return Ok(Installed { path, version, folder, already: true }),
+            Err(error) if request.cancel.as_ref().is_some_and(|cancel| cancel.load(Ordering::Relaxed)) => {
+                return Err(error);
+            }
+            // It was complete once and renders no longer: it is made again.
+            Err(_) => clear(&folder).map_err(InstallError::io(&folder))?,
+        }
     }
     let site = Site { request, folder: &folder };
     let Made { executable, tool, leftovers } = match &driver.installation {
@@ -162,6 +170,22 @@ pub fn install(request: &InstallRequest, progress: &mut dyn FnMut(InstallProgres
     }
     drop(lock);
     Ok(Installed { path: executable, version, folder, already: false })
+}
+
+/// Deletes what an installation has made, the marker first; downloads stay.
+fn clear(folder: &Path) -> std::io::Result<()> {
+    let marker = folder.join(MARKER);
+    if marker.exists() {
+        fs::remove_file(marker)?;
+    }
+    for entry in fs::read_dir(folder)? {
+        let entry = entry?;
+        if [LOCK, LOG, "wheels", "pip-cache", "build"].iter().any(|kept| entry.file_name() == *kept) {
+            continue;
+        }
+        if entry.file_type()?.is_dir() { fs::remove_dir_all(entry.path())? } else { fs::remove_file(entry.path())? }
+    }
+    Ok(())
 }
 
 /// What an installation has made.

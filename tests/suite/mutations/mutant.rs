@@ -63,7 +63,7 @@ impl Mutant {
 
     /// What lint finds.
     pub fn findings(&self, levels: &Levels) -> Vec<Found> {
-        let around = Around { scenes: self.scenes.clone(), ..Around::default() };
+        let around = Around { scenes: self.scenes.clone().into(), ..Around::default() };
         pairs(&lint(&self.scene, &around, levels, &[]))
     }
 
@@ -171,7 +171,7 @@ impl Mutant {
         let options = pipeline::Options {
             levels: every_rule(),
             no_allow: true,
-            scenes: self.scenes.clone(),
+            scenes: self.scenes.clone().into(),
             ..Default::default()
         };
         let path = VPath::resolve("", &name).expect("a path");

@@ -28,7 +28,7 @@ struct Answer<'f> {
 pub fn run(command: &args::Audit) -> Result<Exit, Failure> {
     let only: Vec<&'static Target> =
         command.target.iter().map(|name| project::target(name)).collect::<Result<_, _>>()?;
-    let groups = all_files_of(&command.paths)?;
+    let groups = all_files_of(&command.paths, &command.findings)?;
     if command.folder.is_some() && (only.len() != 1 || groups.iter().map(|(_, files)| files.len()).sum::<usize>() != 1)
     {
         return Err(Failure::new(Exit::Usage, "`--folder` goes with one scene and one target")

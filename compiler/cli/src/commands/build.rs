@@ -22,7 +22,7 @@ use crate::output::{self, Exit, Failure, Located};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
 
-use super::shared::{CheckedFile, all_files_of, check, ledgers, losses, report, say_losses};
+use super::shared::{CheckedFile, all_files_of, check, ledgers, losses, report, say_losses, set_for};
 
 /// A scene that can be written.
 struct Ready<'f> {
@@ -54,15 +54,16 @@ pub fn run(command: &Build) -> Result<Exit, Failure> {
     let mut all = Vec::new();
     let groups = match gone(command)? {
         Some(project) => vec![(project, Vec::new())],
-        None => all_files_of(&command.paths)?,
+        None => all_files_of(&command.paths, &command.findings)?,
     };
     if groups.len() > 1 && command.findings.format.is_document() {
         return Err(Failure::new(Exit::Usage, "the scenes belong to several projects, and there is one document")
             .help("build them one by one, or choose `--format short`"));
     }
+    let overrides = set_for(&command.set, &groups)?;
     for (project, files) in groups {
         let whole = is_whole(&project, &files);
-        let (one, built) = build(command, &project, &files, &only, whole)?;
+        let (one, built) = build(command, &project, &files, &only, whole, &overrides)?;
         exit = exit.max(one);
         match built {
             Some(built) => all.extend(built),
@@ -81,8 +82,9 @@ fn is_whole(project: &Project, files: &[PathBuf]) -> bool {
     let real = |files: &[PathBuf]| -> BTreeSet<PathBuf> {
         files.iter().map(|file| fs::canonicalize(file).unwrap_or_else(|_| file.clone())).collect()
     };
-    let all = || project::scene_files(&project.scenes).unwrap_or_default();
-    project.declared && real(files).is_superset(&real(&all()))
+    // A folder that cannot be read may hold the scene of what looks like an orphan.
+    let all = || project::scene_files(&project.scenes).ok().filter(|found| found.problems.is_empty());
+    project.declared && all().is_some_and(|all| real(files).is_superset(&real(&all.files)))
 }
 
 /// The project, where all of it is to be built, the last scene is gone, and what was generated of it is not.
@@ -122,10 +124,11 @@ fn build(
     files: &[PathBuf],
     only: &[&'static Target],
     whole: bool,
+    overrides: &Overrides,
 ) -> Result<(Exit, Option<Vec<Built>>), Failure> {
     let targets: &[&'static Target] = if only.is_empty() { &project.targets } else { only };
     let output = command.output.as_deref().unwrap_or(&project.generated);
-    let checked = check(project, files, &command.findings, Overrides::default(), &[])?;
+    let checked = check(project, files, &command.findings, overrides.clone(), &[])?;
     let levels = project.levels_with(&command.findings)?;
     let choices = project.choices_with(&command.option, targets)?;
     let (ready, mut more) = prepare(&checked, targets, &levels);
@@ -184,7 +187,7 @@ fn build(
     if !wrong.is_empty() {
         output::findings(&wrong, None, format, false, true);
         terminal::error("ltsc wrote something else than the scenes say; nothing of these scenes was kept");
-        terminal::help("this is a fault of ltsc itself: please report it with the scenes");
+        terminal::help("this is an internal error (a bug in ltsc): please report it with the scenes");
         return Ok((Exit::Fault, None));
     }
     // Another folder may be shared with other projects.
@@ -198,6 +201,9 @@ fn build(
     let stale = built.iter().any(|scene| !scene.changes.is_empty());
     if !json {
         summary(&built, output, command.check);
+    }
+    if format == Format::Human && !command.check {
+        where_to_look(&ready, targets, output);
     }
     Ok((if command.check && stale { Exit::No } else { Exit::Done }, Some(built)))
 }
@@ -312,6 +318,23 @@ fn orphans(output: &Path, ready: &[Ready<'_>], staging: Option<&Arc<Staging>>) -
         gone.push(Built { name: name.to_owned(), targets: 0, changes });
     }
     Ok(gone)
+}
+
+/// The files to open, for the first scene.
+fn where_to_look(ready: &[Ready<'_>], targets: &[&'static Target], output: &Path) {
+    let Some(first) = ready.first() else { return };
+    let name = &first.scene.name;
+    let mut text = String::new();
+    for target in targets {
+        let file = output.join(name).join(target.name).join(target.main_file_of(name));
+        text.push_str(&format!("  {:<12} {}\n", target.name, file.display()));
+    }
+    match ready.len() - 1 {
+        0 => {}
+        1 => text.push_str("  and the same for 1 more scene\n"),
+        more => text.push_str(&format!("  and the same for {more} more scenes\n")),
+    }
+    terminal::print(&text);
 }
 
 fn summary(built: &[Built], output: &Path, check: bool) {

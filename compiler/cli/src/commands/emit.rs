@@ -13,6 +13,11 @@ use crate::terminal;
 use super::shared::one;
 
 pub fn run(command: &Emit) -> Result<Exit, Failure> {
+    if command.target.is_empty() {
+        let names: Vec<&str> = ltsc_core::formats::TARGETS.iter().map(|target| target.name).collect();
+        return Err(Failure::new(Exit::Usage, "`emit` writes for one target")
+            .help(format!("name it by `--target`: {}", names.join(", "))));
+    }
     let target = project::target(&command.target)?;
     let Some(file) = &command.scene else { return all(command) };
     let scene = match one(file, &command.findings, &command.settings)? {
@@ -56,6 +61,7 @@ fn all(command: &Emit) -> Result<Exit, Failure> {
         option: command.option.clone(),
         output: command.output.clone(),
         force: command.force,
+        set: Vec::new(),
         stats: false,
         findings: command.findings.clone(),
     })

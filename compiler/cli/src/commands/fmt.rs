@@ -88,14 +88,15 @@ pub fn run(command: &Fmt) -> Result<Exit, Failure> {
                 if command.diff {
                     terminal::print(&difference(&name.to_string(), &before, &after));
                 }
-                let what = if command.check { "would be formatted" } else { "formatted" };
+                let only_said = command.check || command.diff;
+                let what = if only_said { "would be formatted" } else { "formatted" };
                 terminal::say(&format!("{name} {what}"));
                 if command.check && !people {
                     let mut sources = Sources::default();
                     let file = sources.add(asked.path.as_str(), before.as_str());
                     rest.push((vec![unformatted(file, &before, &after)], sources, Arc::clone(&asked.prefix)));
                 }
-                if command.check { Exit::No } else { Exit::Done }
+                if only_said { Exit::No } else { Exit::Done }
             }
             Ok(Done::Refused(findings, sources)) => {
                 rest.push((findings, sources, Arc::clone(&asked.prefix)));
@@ -109,7 +110,7 @@ pub fn run(command: &Fmt) -> Result<Exit, Failure> {
     report(&found, format);
     let count = files.len();
     let plural = if count == 1 { "" } else { "s" };
-    let what = if command.check { "not formatted" } else { "changed" };
+    let what = if command.check || command.diff { "not formatted" } else { "changed" };
     terminal::say(&format!("{count} file{plural}, {changed} {what}"));
     Ok(worst)
 }
@@ -143,7 +144,7 @@ fn input(command: &Fmt) -> Result<Exit, Failure> {
     } else if !command.check {
         terminal::print(&after);
     }
-    Ok(if command.check && before != after { Exit::No } else { Exit::Done })
+    Ok(if (command.check || command.diff) && before != after { Exit::No } else { Exit::Done })
 }
 
 fn one(asked: &Asked, command: &Fmt) -> Result<Done, Failure> {
@@ -195,8 +196,9 @@ fn formatted(name: &str, text: String) -> Result<Done, Failure> {
             Ok(Done::Refused(shown.collect(), sources))
         }
         Err(FormatError::Fault(difference)) => {
-            let message =
-                format!("a fault of ltsc itself: formatting {name} would change it ({difference}); it stays as it is");
+            let message = format!(
+                "an internal error (a bug in ltsc): formatting {name} would change it ({difference}); it stays as it is"
+            );
             Err(Failure::new(Exit::Fault, message).help("please report it with the file"))
         }
     }

@@ -1,7 +1,6 @@
 //! `ltsc lint`.
 
 use ltsc_core::diag::{Finding, Severity, Sources};
-use ltsc_core::eval::Overrides;
 use ltsc_core::formats::Target;
 use ltsc_core::ledger::Ledger;
 use ltsc_core::pipeline;
@@ -12,7 +11,7 @@ use crate::output::{Counts, Exit, Failure, Located};
 use crate::{project, terminal};
 
 use super::fixes::{self, Fixed};
-use super::shared::{CheckedFile, check, counted, files_of, ledgers, report_fixed};
+use super::shared::{CheckedFile, check, counted, files_of, ledgers, report_fixed, set_for};
 use super::users::users;
 
 pub fn run(command: &Lint) -> Result<Exit, Failure> {
@@ -21,6 +20,7 @@ pub fn run(command: &Lint) -> Result<Exit, Failure> {
     if groups.is_empty() && !problems.is_empty() {
         return Err(problems.swap_remove(0));
     }
+    let overrides = set_for(&command.set, &groups)?;
     let mut files = Vec::new();
     let mut tally = Tally::default();
     let mut using = 0;
@@ -39,7 +39,7 @@ pub fn run(command: &Lint) -> Result<Exit, Failure> {
             fixed.checked
         } else {
             let all = [paths, users].concat();
-            check(&project, &all, &command.findings, Overrides::default(), &targets)?
+            check(&project, &all, &command.findings, overrides.clone(), &targets)?
         };
         for file in &mut checked {
             let mut lost = losses(file, &targets);

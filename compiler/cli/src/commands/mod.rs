@@ -11,6 +11,7 @@ mod emit;
 mod explain;
 mod fixes;
 mod fmt;
+mod init;
 mod job;
 mod lint;
 mod manual;
@@ -30,6 +31,7 @@ pub fn run(arguments: Arguments) -> Exit {
     terminal::choose(arguments.color);
     let format = format_of(&arguments.command);
     let done = match arguments.command {
+        Command::Init(command) => init::run(&command),
         Command::Build(command) => build::run(&command),
         Command::Lint(command) => lint::run(&command),
         Command::Fmt(command) => fmt::run(&command),
@@ -71,6 +73,8 @@ fn format_of(command: &Command) -> Format {
             RenderersAction::List { format } => format,
             RenderersAction::Install { .. } | RenderersAction::Trust => Format::Human,
         },
-        Command::Explain(_) | Command::Doc(_) | Command::Manual(_) | Command::Completions { .. } => Format::Human,
+        Command::Init(_) | Command::Explain(_) | Command::Doc(_) | Command::Manual(_) | Command::Completions { .. } => {
+            Format::Human
+        }
     }
 }

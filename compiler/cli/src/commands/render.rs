@@ -90,6 +90,13 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
 
 /// The driver called `name`.
 pub fn find_driver(name: &str) -> Result<&'static Driver, Failure> {
+    if name.contains(',') {
+        return Err(Failure::new(
+            Exit::Usage,
+            format!("`--renderer {name}` names several renderers, and one image comes from one"),
+        )
+        .help("render once for each, or compare them by `ltsc agree`"));
+    }
     driver(name).ok_or_else(|| {
         let known: Vec<&str> = ltsc_render::run::DRIVERS.iter().map(|driver| driver.name).collect();
         let failure = Failure::new(Exit::Usage, format!("there is no renderer `{name}`"));
@@ -220,6 +227,9 @@ pub fn failure(error: &RenderError) -> Failure {
 
 fn provenance(command: &Render, driver: &Driver, scene: &One, rendered: &Rendered) -> Provenance {
     let camera = command.settings.camera.iter().map(|name| ("camera".to_owned(), name.clone()));
+    let parameters = &scene.scene.documentation.parameters;
+    let values: Vec<String> = parameters.iter().map(|one| format!("{}={}", one.name, one.value)).collect();
+    let values = (!values.is_empty()).then(|| ("parameters".to_owned(), values.join(", ")));
     Provenance {
         scene: scene.scene.name.clone(),
         scene_hash: scene.hash.clone(),
@@ -229,6 +239,6 @@ fn provenance(command: &Render, driver: &Driver, scene: &One, rendered: &Rendere
         samples: rendered.samples_done,
         seed: u64::from(scene.scene.sampler.seed()),
         seconds: rendered.seconds,
-        extra: camera.chain(rendered.facts.iter().cloned()).collect(),
+        extra: camera.chain(values).chain(rendered.facts.iter().cloned()).collect(),
     }
 }

@@ -53,7 +53,18 @@ fn list(format: Format) -> Result<Exit, Failure> {
                     Some(folder),
                     format!("ltsc renderers install {} continues", driver.name),
                 ),
-                Status::Installed { path, version } => ("installed", version, Some(path), String::new()),
+                Status::Installed { path, version } => {
+                    // Its files may have been removed or changed since.
+                    let (cache, given) = (cache.as_ref(), Some(path.as_path()));
+                    let search = Search { env: &env, cache, given, configured: None, until: None };
+                    match find(driver, &search) {
+                        Ok(_) => ("installed", version, Some(path), String::new()),
+                        Err(_) => {
+                            let repair = format!("does not start; ltsc renderers install {} repairs it", driver.name);
+                            ("broken", version, Some(path), repair)
+                        }
+                    }
+                }
                 Status::External { path, version } => ("found", version, Some(path), String::new()),
             },
         };

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use ltsc_core::diag::{Finding, Severity, Sources, nearest};
+use ltsc_core::diag::{Finding, Origin, Severity, Sources, nearest};
 use ltsc_core::eval::{self, Limits, Overrides};
 use ltsc_core::files::{Files, VPath};
 use ltsc_core::formats::Target;
@@ -52,15 +52,19 @@ pub type Group = (Project, Vec<PathBuf>);
 pub fn files_of(paths: &[PathBuf]) -> Result<(Vec<Group>, Vec<Failure>), Failure> {
     if paths.is_empty() {
         let project = Project::here()?;
-        let files = project::scene_files(&project.scenes)?;
-        return Ok((vec![(project, files)], Vec::new()));
+        let project::Found { files, problems } = project::scene_files(&project.scenes)?;
+        return Ok((vec![(project, files)], problems));
     }
     let mut groups: Vec<Group> = Vec::new();
     let mut problems = Vec::new();
     let mut seen = BTreeSet::new();
     for path in paths {
-        let (project, files) = match Project::of(path).and_then(|project| Ok((project, project::scene_files(path)?))) {
-            Ok(found) => found,
+        let found = Project::of(path).and_then(|project| Ok((project, project::scene_files(path)?)));
+        let (project, files) = match found {
+            Ok((project, found)) => {
+                problems.extend(found.problems);
+                (project, found.files)
+            }
             Err(problem) if problem.exit == Exit::Usage => return Err(problem),
             Err(problem) => {
                 problems.push(problem);
@@ -79,10 +83,19 @@ pub fn files_of(paths: &[PathBuf]) -> Result<(Vec<Group>, Vec<Failure>), Failure
     Ok((groups, problems))
 }
 
-/// The files of [`files_of`], where one that cannot be read ends the command.
-pub fn all_files_of(paths: &[PathBuf]) -> Result<Vec<Group>, Failure> {
-    let (groups, problems) = files_of(paths)?;
-    problems.into_iter().next().map_or(Ok(groups), Err)
+/// The files of [`files_of`], where one that cannot be read ends the command; what is wrong with the others is said before.
+pub fn all_files_of(paths: &[PathBuf], findings: &args::Findings) -> Result<Vec<Group>, Failure> {
+    let (groups, mut problems) = files_of(paths)?;
+    let Some(last) = problems.pop() else { return Ok(groups) };
+    let mut checked = Vec::new();
+    for (project, files) in &groups {
+        checked.extend(check(project, files, findings, Overrides::default(), &[])?);
+    }
+    let nothing = Sources::default();
+    let more =
+        problems.into_iter().map(|problem| Located { finding: problem.into_finding(), sources: &nothing, prefix: "" });
+    report(&checked, more.collect(), findings.format, false, true);
+    Err(last)
 }
 
 /// Checks files of a project, in parallel; the result is in the order of the files.
@@ -113,6 +126,19 @@ pub fn check_changed(
     targets: &[&'static Target],
     from: &Changed<'_>,
 ) -> Result<Vec<CheckedFile>, Failure> {
+    check_each(project, files, findings, overrides, targets, from, |file| file)
+}
+
+/// What `keep` takes of each file; the rest of a file is let go before the next one is read.
+pub fn check_each<T: Send>(
+    project: &Project,
+    files: &[PathBuf],
+    findings: &args::Findings,
+    overrides: Overrides,
+    targets: &[&'static Target],
+    from: &Changed<'_>,
+    keep: impl Fn(CheckedFile) -> T + Sync,
+) -> Result<Vec<T>, Failure> {
     let root = findings.root.as_deref().unwrap_or(&project.root);
     let limits = project::limits_with(project.limits, &findings.limits)?;
     let options = Options {
@@ -120,23 +146,62 @@ pub fn check_changed(
         levels: project.levels_with(findings)?,
         no_allow: findings.no_allow,
         targets: targets.iter().map(|target| target.name).collect(),
-        scenes: headers(project, files, from, limits),
+        scenes: headers(project, files, from, limits).into(),
     };
     let prefix: Arc<str> = project::prefix(root).into();
     let one = |file: &PathBuf| {
-        let path = from.disk.path_of(file).ok_or_else(|| {
-            Failure::new(Exit::Usage, format!("{} does not lie below {}", file.display(), root.display()))
-                .help("widen the root with `--root`, or move the scene")
-        })?;
+        let Some(path) = from.disk.path_of(file) else {
+            let (path, finding) = nameless(file, root);
+            let checked = Checked { findings: vec![finding], ..Checked::default() };
+            return Ok(keep(CheckedFile { path, checked, sources: Sources::default(), prefix: Arc::clone(&prefix) }));
+        };
         let (checked, sources) = guarded(&path, || {
             let mut sources = Sources::default();
             let checked = pipeline::check(from, &mut sources, &path, &options);
             (checked, sources)
         });
-        Ok(CheckedFile { path, checked, sources, prefix: Arc::clone(&prefix) })
+        Ok(keep(CheckedFile { path, checked, sources, prefix: Arc::clone(&prefix) }))
     };
     // One file is not worth starting threads for.
     if files.len() == 1 { files.iter().map(one).collect() } else { files.par_iter().map(one).collect() }
+}
+
+/// A file that has no path below the root: how it is called in output, and why it is not read. The other files are.
+fn nameless(file: &Path, root: &Path) -> (VPath, Finding) {
+    let name = file.file_name().unwrap_or(file.as_os_str());
+    let shown: String =
+        name.to_string_lossy().chars().map(|c| if c.is_control() || c == '\\' { '?' } else { c }).collect();
+    let whole = || VPath::resolve("", &shown).or_else(|_| VPath::resolve("", "file.lts"));
+    let path = whole().unwrap_or_else(|_| unreachable!("a plain name is a path"));
+    let real = std::fs::canonicalize(file).ok();
+    let above = std::fs::canonicalize(root).ok();
+    let outside = real.as_ref().zip(above.as_ref()).is_some_and(|(real, root)| !real.starts_with(root));
+    let link = std::fs::symlink_metadata(file).is_ok_and(|meta| meta.is_symlink());
+    let (id, why, help) = if outside && link {
+        let why = format!("is a link that leads out of the project's root, {}", root.display());
+        ("unreadable-file", why, "copy the file into the project, or widen the root with `--root`")
+    } else if outside {
+        let why = format!("does not lie below the root, {}", root.display());
+        ("unreadable-file", why, "widen the root with `--root`, or move the scene")
+    } else if file.to_str().is_none() {
+        ("bad-path", "has a name that is not UTF-8".to_owned(), "rename the file or its folder")
+    } else if file.to_string_lossy().contains('\\') {
+        (
+            "bad-path",
+            "has a backslash in its path".to_owned(),
+            "rename it: on other systems a backslash stands between folders",
+        )
+    } else if file.to_string_lossy().chars().any(char::is_control) {
+        (
+            "bad-path",
+            "has a line break or another control character in its path".to_owned(),
+            "rename the file or its folder",
+        )
+    } else {
+        ("unreadable-file", "cannot be read".to_owned(), "is it a link that leads nowhere?")
+    };
+    let origin = Origin::File { path: path.to_string(), place: String::new() };
+    (path, Finding::error(id, origin, format!("{shown:?} {why}")).help(help))
 }
 
 /// What `check` gives; where it panics, a finding that says so, since one file must not hide the others.
@@ -154,7 +219,8 @@ fn headers(
     from: &Changed<'_>,
     limits: Limits,
 ) -> BTreeMap<String, Documentation> {
-    let all = if project.declared { project::scene_files(&project.scenes).unwrap_or_default() } else { Vec::new() };
+    let all =
+        if project.declared { project::scene_files(&project.scenes).unwrap_or_default().files } else { Vec::new() };
     let files = if all.is_empty() { files } else { &all };
     let headers = files.iter().filter_map(|file| eval::header(from, &from.disk.path_of(file)?, limits));
     headers.collect()
@@ -237,39 +303,73 @@ pub fn losses<'s>(scenes: &[(&[Ledger], &'s CheckedFile)], levels: &Levels) -> V
     all.collect()
 }
 
-/// A line for each target with what it cannot say exactly of scenes, for people.
+/// What each target approximates or does not support of scenes, each thing once, for people.
 pub fn say_losses(scenes: &[&[Ledger]]) {
     let targets = scenes.first().map_or(0, |ledgers| ledgers.len());
     for at in 0..targets {
-        let (mut dropped, mut nearly) = (Vec::new(), Vec::new());
-        let add = |list: &mut Vec<&'static str>, what| {
-            if !list.contains(&what) {
-                list.push(what)
-            }
-        };
+        let mut dropped: Vec<&str> = Vec::new();
+        // With the largest difference of any scene, where it can be computed.
+        let mut approximated: Vec<(&str, Option<f64>)> = Vec::new();
         for ledger in scenes.iter().map(|ledgers| &ledgers[at]) {
-            ledger.dropped.iter().for_each(|one| add(&mut dropped, one.what));
-            ledger.approximated.iter().for_each(|one| add(&mut nearly, one.what));
+            for one in &ledger.dropped {
+                if !dropped.contains(&one.what) {
+                    dropped.push(one.what);
+                }
+            }
+            for one in &ledger.approximated {
+                let here = one.here.as_ref().map(|here| here.at_most);
+                match approximated.iter_mut().find(|(what, _)| *what == one.what) {
+                    Some((_, most)) => *most = most.map_or(here, |most| Some(here.map_or(most, |here| here.max(most)))),
+                    None => approximated.push((one.what, here)),
+                }
+            }
         }
         let name = scenes[0][at].target;
-        if !dropped.is_empty() {
-            terminal::say(&format!("{name} cannot say: {}", dropped.join(", ")));
+        if !approximated.is_empty() {
+            let words = approximated.iter().map(|(what, most)| match most {
+                Some(most) => format!("{what} (by up to {})", ltsc_core::ledger::percent(*most)),
+                None => (*what).to_owned(),
+            });
+            terminal::say(&format!("{name}: approximated: {}", words.collect::<Vec<_>>().join(", ")));
         }
-        if !nearly.is_empty() {
-            terminal::say(&format!("{name} says nearly: {}", nearly.join(", ")));
+        if !dropped.is_empty() {
+            terminal::say(&format!("{name}: not supported: {}", dropped.join(", ")));
         }
     }
+}
+
+/// The values that `--set` gives to parameters, one for each.
+pub fn set_of(set: &[String]) -> Result<Vec<(String, String)>, Failure> {
+    let mut pairs: Vec<(String, String)> = Vec::new();
+    for text in set {
+        let Some((name, value)) = text.split_once('=').filter(|(name, _)| !name.trim().is_empty()) else {
+            return Err(Failure::new(Exit::Usage, format!("`--set {text}` has no value"))
+                .help("write for example `--set alpha=0.2`"));
+        };
+        let (name, value) = (name.trim(), value.trim());
+        if let Some((_, first)) = pairs.iter().find(|(known, _)| known == name) {
+            let message = format!("`--set` gives `{name}` two values, {first} and {value}");
+            return Err(Failure::new(Exit::Usage, message).help("give each parameter one value"));
+        }
+        pairs.push((name.to_owned(), value.to_owned()));
+    }
+    Ok(pairs)
+}
+
+/// The values that `--set` gives in a command that works on several scenes: they belong to one.
+pub fn set_for(set: &[String], groups: &[Group]) -> Result<Overrides, Failure> {
+    let set = set_of(set)?;
+    if !set.is_empty() && groups.iter().map(|(_, files)| files.len()).sum::<usize>() != 1 {
+        return Err(Failure::new(Exit::Usage, "`--set` goes with one scene, whose parameters it sets")
+            .help("name the scene file"));
+    }
+    Ok(Overrides { set, ..Overrides::default() })
 }
 
 /// The settings of the command line.
 pub fn overrides(settings: &args::Settings) -> Result<Overrides, Failure> {
     let args::Settings { width, height, samples, max_depth, seed, set, camera: _ } = settings;
-    let pair = |text: &String| match text.split_once('=') {
-        Some((name, value)) if !name.trim().is_empty() => Ok((name.trim().to_owned(), value.trim().to_owned())),
-        _ => Err(Failure::new(Exit::Usage, format!("`--set {text}` has no value"))
-            .help("write for example `--set alpha=0.2`")),
-    };
-    let set = set.iter().map(pair).collect::<Result<_, _>>()?;
+    let set = set_of(set)?;
     Ok(Overrides {
         width: *width,
         height: *height,
@@ -292,6 +392,8 @@ pub struct One {
     file: CheckedFile,
     /// What was lost before any target was asked.
     before: Vec<Finding>,
+    /// The file as it was named.
+    shown: PathBuf,
 }
 
 impl One {
@@ -313,6 +415,20 @@ impl One {
         }
         // People get a line for each target below, and what forbids to go on.
         let all = lost.into_iter().filter(|located| format != Format::Human || denied(located)).collect();
+        if format == Format::Human && !refused {
+            // `lint` shows them: a sweep of renderings does not say the same again each time.
+            let (_, counts) = counted(std::slice::from_ref(&self.file), all);
+            if counts.warnings > 0 {
+                let plural = if counts.warnings == 1 { "" } else { "s" };
+                terminal::say(&format!(
+                    "{} warning{plural}: `ltsc lint {}` shows what",
+                    counts.warnings,
+                    self.shown.display()
+                ));
+            }
+            say_losses(&[&ledgers]);
+            return Ok(Exit::Done);
+        }
         let (exit, _) = report(std::slice::from_ref(&self.file), all, format, false, true);
         if format == Format::Human {
             say_losses(&[&ledgers]);
@@ -332,7 +448,7 @@ impl One {
         }
         output::findings(&wrong, None, format, false, true);
         terminal::error("ltsc wrote something else than the scene says; nothing was kept");
-        terminal::help("this is a fault of ltsc itself: please report it with the scene");
+        terminal::help("this is an internal error (a bug in ltsc): please report it with the scene");
         Some(Exit::Fault)
     }
 }
@@ -341,6 +457,7 @@ impl One {
 /// back.
 pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) -> Result<Result<One, Exit>, Failure> {
     let project = Project::of(file)?;
+    let shown = file.to_path_buf();
     if file.is_dir() {
         return Err(Failure::new(Exit::Usage, format!("{} is a folder", file.display())).help("name one scene"));
     }
@@ -366,7 +483,7 @@ pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) ->
     let before = file.checked.losses().chain(&remarks).cloned().collect();
     file.checked.findings.extend(remarks);
     match scene {
-        Some(scene) => Ok(Ok(One { project, scene, camera, hash, file, before })),
+        Some(scene) => Ok(Ok(One { project, scene, camera, hash, file, before, shown })),
         None => Ok(Err(refuse(&[file]))),
     }
 }

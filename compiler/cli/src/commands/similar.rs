@@ -1,5 +1,6 @@
 //! `ltsc similar`: which scenes of the project are near one, and what follows from it.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use ltsc_core::eval::Overrides;
@@ -8,14 +9,18 @@ use ltsc_core::similar::{Near, Nearness, Profile, rank};
 use serde_json::{Value, json};
 
 use crate::args::{Findings, Format, Similar};
+use crate::disk::Changed;
 use crate::output::{Exit, Failure};
 use crate::project::{self, Project};
 use crate::terminal;
 
-use super::shared::{check, report};
+use super::shared::{check, check_each, disk_of, report};
 
 /// Scenes shown where none is near.
 const SHOWN: usize = 3;
+
+/// Near scenes that are shown and advised on, unless all are asked for.
+const NEAREST: usize = 10;
 
 /// A scene that was compared, and what is said of it.
 struct Row {
@@ -83,21 +88,24 @@ fn unlinted(findings: &Findings) -> Findings {
 fn others(project: &Project, command: &Similar, scene: &Scene) -> Result<(Vec<Profile>, Vec<String>), Failure> {
     let own = std::fs::canonicalize(&command.scene).ok();
     let files: Vec<PathBuf> = project::scene_files(&project.scenes)?
+        .files
         .into_iter()
         .filter(|file| std::fs::canonicalize(file).ok() != own)
         .collect();
-    let mut profiles = Vec::new();
-    let mut unread = Vec::new();
-    for file in check(project, &files, &unlinted(&command.findings), Overrides::default(), &[])? {
-        match &file.checked.scene {
+    let disk = disk_of(project, &command.findings)?;
+    let from = Changed { disk: &disk, texts: &BTreeMap::new() };
+    let unlinted = unlinted(&command.findings);
+    // Of ten thousand scenes nothing but what is compared is kept.
+    let all =
+        check_each(project, &files, &unlinted, Overrides::default(), &[], &from, |file| match &file.checked.scene {
             // A draft of a scene that is there already takes its place.
-            Some(other) if other.name == scene.name => {}
-            Some(other) => profiles.push(Profile::of(other)),
-            None if file.checked.library => {}
-            None => unread.push(file.path.to_string()),
-        }
-    }
-    Ok((profiles, unread))
+            Some(other) if other.name == scene.name => (None, None),
+            Some(other) => (Some(Profile::of(other)), None),
+            None if file.checked.library => (None, None),
+            None => (None, Some(file.path.to_string())),
+        })?;
+    let (profiles, unread): (Vec<_>, Vec<_>) = all.into_iter().unzip();
+    Ok((profiles.into_iter().flatten().collect(), unread.into_iter().flatten().collect()))
 }
 
 fn worst(rows: &[Row]) -> Nearness {
@@ -126,7 +134,9 @@ fn text(scene: &Scene, rows: &[Row], all: bool) -> String {
         return format!("there is no other scene that `{}` could be near to\n", scene.name);
     }
     // Those that are near or named, and the nearest ones.
-    let told = |at: usize, row: &Row| all || at < SHOWN || row.near.nearness > Nearness::Far || row.argued.is_some();
+    let told = |at: usize, row: &Row| {
+        all || at < SHOWN || at < NEAREST && row.near.nearness > Nearness::Far || row.argued.is_some()
+    };
     let shown: Vec<&Row> = rows.iter().enumerate().filter(|(at, row)| told(*at, row)).map(|(_, row)| row).collect();
     let mut text = format!("{:<6} {:<6} {:<10} {:<6} scene\n", "score", "paths", "materials", "brief");
     let share = |value: Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.2}"));
@@ -144,21 +154,31 @@ fn text(scene: &Scene, rows: &[Row], all: bool) -> String {
     }
     if shown.len() < rows.len() {
         let rest = rows.len() - shown.len();
-        text.push_str(&format!("... and {rest} that {} not near\n", if rest == 1 { "is" } else { "are" }));
+        let near = |row: &&Row| row.near.nearness > Nearness::Far;
+        let hidden = rows.iter().filter(near).count() - shown.iter().copied().filter(near).count();
+        let be = |count| if count == 1 { "is" } else { "are" };
+        if hidden > 0 {
+            text.push_str(&format!("... and {hidden} more that {} near; `--all` shows them\n", be(hidden)));
+        }
+        if rest > hidden {
+            let far = rest - hidden;
+            text.push_str(&format!("... and {far} that {} not near\n", be(far)));
+        }
     }
     text.push('\n');
-    text.push_str(&advice(scene, rows));
+    text.push_str(&advice(scene, rows, all));
     text
 }
 
 /// What to do.
-fn advice(scene: &Scene, rows: &[Row]) -> String {
+fn advice(scene: &Scene, rows: &[Row], all: bool) -> String {
     let name = &scene.name;
     let mut text = String::new();
     if scene.documentation.paths.is_empty() {
         text.push_str("the scene names no light paths: materials and words alone were compared\n");
     }
-    let near = || rows.iter().filter(|row| row.near.nearness > Nearness::Far);
+    let most = if all { usize::MAX } else { NEAREST };
+    let near = || rows.iter().filter(|row| row.near.nearness > Nearness::Far).take(most);
     if near().next().is_none() {
         text.push_str(&format!("no scene is near: `{name}` is new\n"));
         return text;

@@ -48,7 +48,7 @@ impl Sink for Counter {
 pub fn run(command: &Build, only: &[&'static Target]) -> Result<Exit, Failure> {
     let mut rows: Vec<String> = Vec::new();
     let mut columns: Vec<&'static Target> = Vec::new();
-    for (project, files) in all_files_of(&command.paths)? {
+    for (project, files) in all_files_of(&command.paths, &command.findings)? {
         let targets: &[&'static Target] = if only.is_empty() { &project.targets } else { only };
         if columns.is_empty() {
             columns = targets.to_vec();

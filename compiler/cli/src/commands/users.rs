@@ -41,7 +41,7 @@ pub fn users(project: &Project, files: &[PathBuf], findings: &args::Findings) ->
         false
     };
     let mut found = Vec::new();
-    for file in project::scene_files(&project.scenes).unwrap_or_default() {
+    for file in project::scene_files(&project.scenes).unwrap_or_default().files {
         let Some(path) = disk.path_of(&file) else { continue };
         if !named.contains(&path) && reaches(&path) && is_scene(&path) {
             found.push(file);

@@ -42,7 +42,25 @@ pub fn page(entry: &Entry<'_>, names: &[&str]) -> String {
     text.push_str(&table_of_numbers(&numbers));
     text.push_str(&lights(&numbers.emitters));
     text.push_str(&materials(&numbers));
+    text.push_str(&parameters(scene));
     text.push_str(&settings(scene));
+    text
+}
+
+/// What `--set` may change.
+fn parameters(scene: &Scene) -> String {
+    let all = &scene.documentation.parameters;
+    if all.is_empty() {
+        return String::new();
+    }
+    let mut text =
+        "## Parameters\n\nChanged by `--set NAME=VALUE`; this page shows the scene with these values.\n\n".to_owned();
+    text.push_str("| name | value | allowed | type |\n|---|---|---|---|\n");
+    for one in all {
+        let allowed = if one.allowed.is_empty() { "-".to_owned() } else { format!("`{}`", cell(&one.allowed)) };
+        text.push_str(&format!("| `{}` | `{}` | {allowed} | {} |\n", one.name, cell(&one.value), one.ty));
+    }
+    text.push('\n');
     text
 }
 

@@ -87,7 +87,7 @@ pub const CODES: &[Code] = &[
     code("invalid-film", "A film has no pixels, too many, or a filter without extent."),
     code(
         "invalid-group",
-        "A group is empty, or its instances cannot be multiplied out.\nGroups may lie 128 deep in each other and make 10 million shapes and instances.",
+        "The instances of a group cannot be multiplied out, or nothing is left in a group after lowering.\nGroups may lie 128 deep in each other and make 10 million shapes and instances.",
     ),
     code(
         "invalid-image-file",
@@ -130,7 +130,7 @@ pub const CODES: &[Code] = &[
     ),
     remark(
         "loss-approximated",
-        "A target says something nearly, not exactly, as the scene means it; or a mesh file or its materials could only be read nearly.\nThe note gives the bound and how it was found. `ltsc explain --target NAME` shows the whole table.",
+        "The target has no exact equivalent, and an approximation was written; or something in a mesh file was read as the nearest thing that a scene has.\nThe note gives the bound and how it was found. `ltsc explain --target NAME` shows the whole table.",
     ),
     remark(
         "loss-baked",
@@ -138,7 +138,11 @@ pub const CODES: &[Code] = &[
     ),
     remark(
         "loss-dropped",
-        "A target cannot say something, and it was left out; or a mesh file has something that is not read.\n`ltsc explain --target NAME` shows what a target can say. Of a file there is one finding for each kind of thing, a warning where it\ncould be seen in an image (vertex colors, skins), a remark where it could not (names, edges). `ledger.json` has both.",
+        "A target does not support something, and it was left out; or a mesh file has something that is not read.\n`ltsc explain --target NAME` shows what a target supports. Of a file there is one finding for each kind of thing, a warning where it\ncould be seen in an image (vertex colors, skins), a remark where it could not (names, edges). `ledger.json` has both.",
+    ),
+    code(
+        "memory-limit",
+        "The values of a file take more than two gigabytes: lists, spectra, places of instances, vertices.\nThe limit keeps a scene from using up a machine; `--limit memory=N`, or `[limits]` in ltsc.toml, raises it.",
     ),
     remark(
         "mesh-file",
@@ -191,7 +195,7 @@ pub const CODES: &[Code] = &[
     ),
     code(
         "step-limit",
-        "A file takes more than ten million calls and iterations.\nThe limit keeps a scene from running without end; `--limit steps=N`, or `[limits]` in ltsc.toml, raises it.",
+        "A file takes more than ten million steps: calls and iterations, and 32 parts of expressions or elements of lists count as one more.\nThe limit keeps a scene from running without end; `--limit steps=N`, or `[limits]` in ltsc.toml, raises it.",
     ),
     code(
         "syntax-error",
@@ -204,7 +208,7 @@ pub const CODES: &[Code] = &[
     code("type-mismatch", "A value has another type than its place asks for."),
     code(
         "unformatted",
-        "A file has not its canonical form.\n`ltsc fmt` writes it: layout changes, comments, numbers and meaning stay.",
+        "A file is not formatted.\n`ltsc fmt` formats it: the layout changes; comments, numbers and meaning stay.",
     ),
     code(
         "unknown-argument",

@@ -5,9 +5,11 @@
 
 mod codes;
 mod source;
+mod words;
 
 pub use codes::{CODES, Code};
 pub use source::{FileId, Position, SourceFile, Sources};
+pub use words::WORDS;
 
 use serde::Serialize;
 
@@ -215,6 +217,9 @@ impl Finding {
     }
 }
 
+/// The most names that a misspelt one is compared with.
+const MOST_CANDIDATES: usize = 10_000;
+
 /// The name among `known` that is nearest to `name`, if one is near enough to be meant.
 ///
 /// Near means a Damerau-Levenshtein distance (neighbouring letters swapped count one) of at most a third of the length,
@@ -222,37 +227,20 @@ impl Finding {
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = name.chars().count();
     let limit = if length < 2 { 0 } else { (length / 3).max(1) };
+    let lowered = |text: &str| -> String { text.chars().take(64).flat_map(char::to_lowercase).collect() };
+    let lower = lowered(name);
     let mut best: Option<(usize, &'a str)> = None;
-    for candidate in known {
+    for candidate in known.into_iter().take(MOST_CANDIDATES) {
         // The distance is at least the difference of the lengths: most candidates need no closer look.
         if candidate.chars().count().abs_diff(length) > limit {
             continue;
         }
-        let away = distance(name, candidate);
+        let away = strsim::osa_distance(&lower, &lowered(candidate));
         if away <= limit && best.is_none_or(|(least, _)| away < least) {
             best = Some((away, candidate));
         }
     }
     best.map(|(_, found)| found)
-}
-
-fn distance(a: &str, b: &str) -> usize {
-    let lower = |text: &str| -> Vec<char> { text.chars().take(64).flat_map(char::to_lowercase).collect() };
-    let (a, b) = (lower(a), lower(b));
-    let mut before: Vec<usize> = vec![0; b.len() + 1];
-    let mut above: Vec<usize> = (0..=b.len()).collect();
-    for i in 1..=a.len() {
-        let mut row = vec![i; b.len() + 1];
-        for j in 1..=b.len() {
-            let same = usize::from(a[i - 1] != b[j - 1]);
-            row[j] = (above[j] + 1).min(row[j - 1] + 1).min(above[j - 1] + same);
-            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
-                row[j] = row[j].min(before[j - 2] + 1);
-            }
-        }
-        before = std::mem::replace(&mut above, row);
-    }
-    above[b.len()]
 }
 
 #[cfg(test)]

@@ -89,6 +89,7 @@ impl Interpreter<'_> {
         let mut all_lights = Arena::default();
         place_lights(&mut all_lights, &lights, &placed, &Affine::IDENTITY, "");
         let Builder { meshes, materials, groups, .. } = built;
+        let documentation = Documentation { parameters: self.scene_parameters.clone(), ..documentation };
         Some(Scene {
             name: name.text,
             origin: name.span.into(),

@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use crate::diag::{Finding, Span, nearest};
 use crate::files::{Bytes, ReadError, VPath};
-use crate::ir::{Affine, Handle, Texture};
+use crate::ir::{Affine, Handle, LightKind, Texture};
 use crate::syntax::{Call, Expr, ExprKind};
 
 use super::function::Function;
@@ -18,6 +18,12 @@ use super::value::{MeshValue, Refusal, Ty, Value};
 use super::{Interpreter, Limit, Reported};
 
 impl Interpreter<'_> {
+    /// Whether names that may be meant are still looked for: not behind a thousand findings, each of which would compare with
+    /// every name of a long text.
+    pub(super) fn suggests(&self) -> bool {
+        self.findings.len() < 1000
+    }
+
     pub(super) fn report<T>(&mut self, finding: Finding) -> Result<T, Reported> {
         self.findings.push(finding);
         Err(Reported)
@@ -28,6 +34,7 @@ impl Interpreter<'_> {
         let wrong = |wrong: ops::Wrong, span: Span| {
             Finding::error("invalid-operation", span, wrong.message).maybe_help(wrong.help)
         };
+        self.spend(1, expr.span)?;
         match &expr.kind {
             ExprKind::Number(n) => Ok(Value::Number(*n)),
             ExprKind::Unit(n, unit) => match unit.as_str() {
@@ -39,13 +46,16 @@ impl Interpreter<'_> {
                         .help("write `deg` or `rad` for an angle, and no unit elsewhere"),
                 ),
             },
-            ExprKind::String(text) => Ok(Value::String(Rc::from(text.as_str()))),
+            ExprKind::String(text) => {
+                self.spend(text.len() as u64, expr.span)?;
+                Ok(Value::String(Rc::from(text.as_str())))
+            }
             ExprKind::Bool(value) => Ok(Value::Bool(*value)),
             ExprKind::Name(name) => self.name(scope, name, expr.span),
-            ExprKind::Row(numbers) => Ok(numbers_value(numbers)),
+            ExprKind::Row(numbers) => self.numbers_value(numbers, expr.span),
             ExprKind::Tuple(parts) => {
                 let values = self.all(scope, parts)?;
-                Ok(tuple_value(values))
+                self.tuple_value(values, expr.span)
             }
             ExprKind::List(parts) => {
                 let values = self.all(scope, parts)?;
@@ -61,7 +71,7 @@ impl Interpreter<'_> {
                     }
                     Ok(())
                 })?;
-                Ok(Value::List(values.into()))
+                Ok(Value::List(self.elements(values, span)?))
             }
             ExprKind::Call(call) => self.call(scope, call, wanted),
             ExprKind::Unary(operator, operand) => {
@@ -73,7 +83,15 @@ impl Interpreter<'_> {
                 let left = self.eval(scope, &operands.0, None);
                 let right = self.eval(scope, &operands.1, None);
                 let (left, right) = (left?, right?);
-                ops::binary(*operator, &left, &right).or_else(|problem| {
+                let mut over = self.left();
+                let before = over;
+                let made = ops::binary(*operator, &left, &right, &mut over);
+                let parts = ops::parts(&left) + ops::parts(&right);
+                self.spend(before - over + parts, *sign)?;
+                if parts > 0 {
+                    self.hold(parts * size_of::<[f64; 2]>() as u64, *sign)?;
+                }
+                made.or_else(|problem| {
                     let finding =
                         wrong(problem, *sign).also(operands.0.span, left.kind()).also(operands.1.span, right.kind());
                     self.report(finding)
@@ -119,7 +137,24 @@ impl Interpreter<'_> {
         if values.len() > self.limits.list {
             self.too_long(values.len(), span)?;
         }
-        Ok(Value::List(values.into()))
+        Ok(Value::List(self.elements(values, span)?))
+    }
+
+    fn numbers_value(&mut self, numbers: &[f64], span: Span) -> Result<Value, Reported> {
+        if (2..=4).contains(&numbers.len()) {
+            return Ok(Value::Vector(numbers.into()));
+        }
+        let values = numbers.iter().map(|number| Value::Number(*number)).collect();
+        Ok(Value::Tuple(self.elements(values, span)?))
+    }
+
+    fn tuple_value(&mut self, values: Vec<Value>, span: Span) -> Result<Value, Reported> {
+        let numbers: Option<Vec<f64>> =
+            values.iter().map(|value| if let Value::Number(n) = value { Some(*n) } else { None }).collect();
+        match numbers {
+            Some(numbers) if (2..=4).contains(&numbers.len()) => Ok(Value::Vector(numbers.into())),
+            _ => Ok(Value::Tuple(self.elements(values, span)?)),
+        }
     }
 
     fn too_long(&mut self, count: usize, span: Span) -> Result<(), Reported> {
@@ -146,7 +181,7 @@ impl Interpreter<'_> {
             (Value::List(items), Value::Range(lo, hi)) => {
                 let good = lo.fract() == 0.0 && hi.fract() == 0.0 && lo >= 0.0 && hi >= lo && hi < items.len() as f64;
                 if good {
-                    return Ok(Value::List(items[lo as usize..=hi as usize].into()));
+                    return Ok(Value::List(items.slice(lo as usize..=hi as usize)));
                 }
                 self.report(
                     Finding::error("index-out-of-range", at.span, format!("the list has no elements {lo}..{hi}"))
@@ -178,8 +213,20 @@ impl Interpreter<'_> {
             "PI" => return Ok(Value::Number(std::f64::consts::PI)),
             _ => {}
         }
+        // What a broken statement above declares has been reported there.
+        if scope.broken(name, span) {
+            return Err(Reported);
+        }
         let finding =
             Finding::error("unknown-name", span, format!("there is no value named `{name}`")).label("unknown here");
+        let ours = match name {
+            "True" | "TRUE" => Some("true"),
+            "False" | "FALSE" => Some("false"),
+            _ => None,
+        };
+        if let Some(ours) = ours {
+            return self.report(finding.help(format!("write `{ours}`")));
+        }
         if let Some(later) = scope.later(name, span) {
             let line = self.sources.position(later.file, later.start).line;
             return self.report(
@@ -191,7 +238,7 @@ impl Interpreter<'_> {
         if table::find(name, None).is_some() {
             return self.report(finding.help(format!("`{name}` is a constructor: write `{name}(...)`")));
         }
-        let similar = nearest(name, scope.names().chain(["X", "Y", "Z", "PI"]));
+        let similar = self.suggests().then(|| nearest(name, scope.names().chain(["X", "Y", "Z", "PI"]))).flatten();
         self.report(finding.maybe_help(similar.map(|name| format!("did you mean `{name}`?"))))
     }
 
@@ -239,6 +286,7 @@ impl Interpreter<'_> {
             findings: Vec::new(),
         };
         let built = (row.build)(&args, &mut site);
+        let others = built.as_ref().err().map(|problem| further(row, &args, problem, &mut site)).unwrap_or_default();
         let Site { lengthened, findings, .. } = site;
         // Parts of one file share what is said of all of it.
         let new = |finding: &Finding, known: &[Finding]| {
@@ -263,12 +311,15 @@ impl Interpreter<'_> {
                 return Err(Reported);
             }
             let spans = self.argument_spans(call, row);
-            let at = problem.at.and_then(|name| spans.iter().find(|(param, _)| *param == name));
-            let mut finding = Finding::error(problem.id, at.map_or(call.span, |(_, span)| *span), problem.message);
-            finding.notes.extend(problem.note);
-            finding.help = problem.help;
-            finding.label = problem.label;
-            self.report(finding)
+            for table::Detail { at, message, label, note, help, id } in std::iter::once(problem).chain(others) {
+                let at = at.and_then(|name| spans.iter().find(|(param, _)| *param == name));
+                let mut finding = Finding::error(id, at.map_or(call.span, |(_, span)| *span), message);
+                finding.notes.extend(note);
+                finding.help = help;
+                finding.label = label;
+                self.findings.push(finding);
+            }
+            Err(Reported)
         })
     }
 
@@ -280,7 +331,9 @@ impl Interpreter<'_> {
             return Ok(());
         }
         let most = self.limits.triangles;
-        self.triangles = self.triangles.saturating_add(made.mesh.triangles.len() as u64);
+        // Vertices that no triangle has also take room.
+        let vertices = made.mesh.positions.len() as u64;
+        self.triangles = self.triangles.saturating_add((made.mesh.triangles.len() as u64).max(vertices / 3));
         if self.triangles <= most {
             return Ok(());
         }
@@ -290,13 +343,24 @@ impl Interpreter<'_> {
 
     /// Reports a call of something that is no constructor and no function.
     pub(super) fn unknown_call(&mut self, scope: &Scope, name: &str, span: Span, wanted: Option<Family>) {
+        if scope.broken(name, span) {
+            return;
+        }
+        if name == "range" {
+            self.findings.push(
+                Finding::error("unknown-constructor", span, "there is no `range`")
+                    .help("a range is written `0..9`; both ends belong to it"),
+            );
+            return;
+        }
         let fits = table::table().filter(|row| wanted.is_none_or(|family| row.family == family));
         let known: Vec<&str> = fits.map(|row| row.name).collect();
         let functions = || scope.functions();
         let all = || table::table().map(|row| row.name).chain(scope.names());
+        let suggests = self.suggests();
         let similar = synonyms::constructor(name, wanted)
-            .or_else(|| nearest(name, functions().chain(known.iter().copied())))
-            .or_else(|| nearest(name, all()));
+            .or_else(|| if suggests { nearest(name, functions().chain(known.iter().copied())) } else { None })
+            .or_else(|| if suggests { nearest(name, all()) } else { None });
         let what = wanted.map_or("a constructor or function", Family::words);
         let mut finding = Finding::error("unknown-constructor", span, format!("there is no `{name}`"))
             .label(format!("expected {what}"));
@@ -310,6 +374,19 @@ impl Interpreter<'_> {
         }
         let finding = finding.maybe_help(similar.map(|name| format!("did you mean `{name}`?")));
         self.findings.push(finding);
+    }
+
+    /// How a list of numbers, such as a row of `table`, becomes a vector.
+    fn row_help(&self, ty: Ty, items: &[Value], span: Span) -> Option<String> {
+        let size = match ty {
+            Ty::Vec3 | Ty::NumberOrVec3 => 3,
+            Ty::Vec2 => 2,
+            Ty::Row => 4,
+            _ => return None,
+        };
+        let name = self.excerpt(span)?;
+        let parts: Vec<String> = (0..size).map(|at| format!("{name}[{at}]")).collect();
+        (items.len() == size).then(|| format!("a list is no vector: write `({})`", parts.join(", ")))
     }
 
     /// The text of a place, if it is short enough to be repeated in a help.
@@ -494,6 +571,10 @@ impl Interpreter<'_> {
             _ => None,
         };
         let value = self.eval(scope, expr, family)?;
+        if let (Ty::Points | Ty::Points2 | Ty::Faces | Ty::Numbers, Value::List(items)) = (ty, &value) {
+            // They are checked and then read.
+            self.spend(2 * items.len() as u64, expr.span)?;
+        }
         let kind = value.kind();
         let light = matches!(value, Value::Light(_));
         let found = value.clone();
@@ -503,6 +584,25 @@ impl Interpreter<'_> {
         };
         let mismatch = Finding::error("type-mismatch", expr.span, format!("`{name}` takes {}, not {kind}", ty.words()))
             .label(kind);
+        // Nobody writes `of`: it is what stands before `|>`.
+        if name == "of" && matches!(refusal, Refusal::Type) && matches!(found, Value::Material(_)) {
+            let written = self.excerpt(expr.span).unwrap_or("...").to_owned();
+            return self.report(
+                Finding::error(
+                    "type-mismatch",
+                    expr.span,
+                    "stages stand before `with`: they change the mesh, not its material",
+                )
+                .label(kind)
+                .help(format!("write `... |> stage(...) with {written}`")),
+            );
+        }
+        let mismatch = if name == "of" {
+            Finding::error("type-mismatch", expr.span, format!("before `|>` stands {}, not {kind}", ty.words()))
+                .label(kind)
+        } else {
+            mismatch
+        };
         self.report(match refusal {
             Refusal::Silent => return Err(Reported),
             Refusal::Type if light && matches!(ty, Ty::Mesh | Ty::Placeable | Ty::Turnable) => Finding::error(
@@ -511,8 +611,17 @@ impl Interpreter<'_> {
                 "stages move meshes and groups, not lights; an environment can be turned by `rotate`",
             )
             .label(kind)
-            .help("give the light the position or direction that it is to have, or put a point light into a group"),
-            Refusal::Type => mismatch.maybe_help(type_help(ty, &found)),
+            .help(match &found {
+                Value::Light(light) if matches!(**light, LightKind::Environment { .. }) => {
+                    "an environment is infinitely far away: leave the stage out"
+                }
+                _ => "give the light the position or direction that it is to have, or put a point light into a group",
+            }),
+            Refusal::Type => mismatch.maybe_help(match (&found, &expr.kind) {
+                (Value::List(_), ExprKind::List(_)) => type_help(ty, &found),
+                (Value::List(items), _) => self.row_help(ty, items, expr.span).or_else(|| type_help(ty, &found)),
+                _ => type_help(ty, &found),
+            }),
             Refusal::Unit(n) => Finding::error(
                 "missing-unit",
                 expr.span,
@@ -523,7 +632,7 @@ impl Interpreter<'_> {
             Refusal::Whole(n) => Finding::error(
                 "type-mismatch",
                 expr.span,
-                format!("`{name}` takes a whole number from 0 to 4294967295, not {n}"),
+                format!("`{name}` takes a whole number that is not negative, not {n}"),
             ),
             Refusal::Reversed(lo, hi) => {
                 let help = if lo == hi {
@@ -546,6 +655,31 @@ impl Interpreter<'_> {
     }
 }
 
+/// What is wrong with the arguments of a call beside `first`: it is made again without each argument that is wrong, which has its
+/// default then. Calls that read files or call functions are not made again.
+fn further(row: &Constructor, args: &Args, first: &table::Problem, site: &mut Site<'_>) -> Vec<table::Detail> {
+    let mut found: Vec<table::Detail> = Vec::new();
+    if row.params.iter().any(|param| matches!(param.ty, Ty::String | Ty::Height)) {
+        return found;
+    }
+    let mut wrong: Vec<&str> = Vec::new();
+    let mut rest = Args { params: args.params, values: args.values.clone() };
+    let mut at = first.0.at;
+    // A problem without an argument, or with one that is left out already, has no other behind it that could be told apart.
+    while let Some(name) = at.filter(|name| !wrong.contains(name)) {
+        wrong.push(name);
+        let Some(place) = row.params.iter().position(|param| param.name == name) else { break };
+        rest.values[place] = None;
+        let Err(table::Problem(next)) = (row.build)(&rest, site) else { break };
+        at = next.at;
+        if next.id != table::REPORTED && next.at.is_some_and(|name| !wrong.contains(&name) && rest.get(name).is_some())
+        {
+            found.push(*next);
+        }
+    }
+    found
+}
+
 /// How to write a number without unit as an angle. Few turn by more than a whole turn in radians.
 pub(super) fn unit_help(n: f64) -> String {
     if n.abs() > std::f64::consts::TAU { format!("write `{n}deg`") } else { format!("write `{n}deg` or `{n}rad`") }
@@ -563,7 +697,12 @@ fn type_help(ty: Ty, found: &Value) -> Option<String> {
         (Ty::Number, Value::Vector(_)) => "give its parts one by one, or use a parameter that takes a vector",
         (Ty::Vec3 | Ty::NumberOrVec3, Value::List(_)) => "vectors stand in round brackets: `(x, y, z)`",
         (Ty::Vec3, Value::Vector(_)) => "write three numbers: `(x, y, z)`",
-        (Ty::Color, Value::String(_)) => "write `srgb(\"#rrggbb\")`",
+        (Ty::Color | Ty::ColorOrTexture, Value::String(text)) if text.starts_with('#') => {
+            return Some(format!("write `srgb({text:?})`"));
+        }
+        (Ty::Color | Ty::ColorOrTexture, Value::String(_)) => {
+            "write `srgb(\"#rrggbb\")`, or `bitmap(\"...\")` for an image"
+        }
         (Ty::Mesh, Value::Group(_)) => "a group is placed by `instance name = ...`",
         (Ty::Mesh | Ty::Placeable | Ty::Turnable | Ty::Material, Value::Function(_)) => {
             "call it: write `(...)` with its arguments behind it"
@@ -601,6 +740,15 @@ impl table::Host for Interpreter<'_> {
     fn apply_many(&mut self, function: &Rc<Function>, places: &[[f64; 2]]) -> Option<Vec<f64>> {
         self.invoke_many(function, places)
     }
+
+    fn list(&mut self, items: Vec<Value>, span: Span) -> Result<Value, Reported> {
+        Interpreter::list(self, items, span)
+    }
+
+    fn hold(&mut self, bytes: u64, span: Span) -> Result<(), Reported> {
+        self.spend(bytes / 64, span)?;
+        Interpreter::hold(self, bytes, span)
+    }
 }
 
 /// Family, path, part or encoding, and the bits of a factor; see [`file_key`].
@@ -619,20 +767,4 @@ fn file_key(row: &Constructor, args: &Args, folder: &str) -> Option<FileKey> {
     };
     let factor = args.color("scale").map_or([1.0; 3], |color| color.rgb()).map(f64::to_bits);
     Some((row.family, VPath::resolve(folder, &text("path")?).ok()?, text(more), factor))
-}
-
-fn numbers_value(numbers: &[f64]) -> Value {
-    if (2..=4).contains(&numbers.len()) {
-        return Value::Vector(numbers.into());
-    }
-    Value::Tuple(numbers.iter().map(|number| Value::Number(*number)).collect())
-}
-
-fn tuple_value(values: Vec<Value>) -> Value {
-    let numbers: Option<Vec<f64>> =
-        values.iter().map(|value| if let Value::Number(n) = value { Some(*n) } else { None }).collect();
-    match numbers {
-        Some(numbers) if (2..=4).contains(&numbers.len()) => Value::Vector(numbers.into()),
-        _ => Value::Tuple(values.into()),
-    }
 }

@@ -1,37 +1,38 @@
 //! Loops, conditions and parameters of a scene.
 
-use std::rc::Rc;
-
 use crate::diag::{Finding, Label, Severity, Span};
 use crate::files::VPath;
-use crate::syntax::{self, Clause, Expr, Name, Statement, StatementKind, Type};
+use crate::syntax::{self, Binary, Clause, Expr, ExprKind, Name, Statement, StatementKind, Type};
 
 use super::function::Typed;
 use super::module::{Module, Scope};
 use super::value::Value;
 use super::{Interpreter, Limit, Reported, SceneParameter, TRAIL};
 
+/// What a parameter may be.
+enum Allowed {
+    Value(Value),
+    /// In degrees, both ends included.
+    Angles(f64, f64),
+}
+
+impl Allowed {
+    /// As it would be written.
+    fn words(&self) -> String {
+        match self {
+            Self::Value(Value::List(items)) if items.len() <= 20 => {
+                items.iter().map(Value::written).collect::<Vec<_>>().join(", ")
+            }
+            Self::Value(value) => value.written(),
+            Self::Angles(lo, hi) => format!("{lo}deg..{hi}deg"),
+        }
+    }
+}
+
 /// Names of the iterations of the loops around a place: values of range variables, indices of list elements.
 pub(super) type Path = Vec<String>;
 
 impl Interpreter<'_> {
-    /// Counts one call or iteration; the limit keeps a scene from running without end.
-    pub(super) fn step(&mut self, span: Span) -> Result<(), Reported> {
-        self.steps += 1;
-        if self.steps <= self.limits.steps {
-            return Ok(());
-        }
-        if self.steps == self.limits.steps + 1 {
-            self.findings.push(
-                Finding::error("step-limit", span, format!("the file takes more than {} steps", self.limits.steps))
-                    .label("reached here")
-                    .note("calls and iterations of loops count as steps")
-                    .help(Limit::help("steps")),
-            );
-        }
-        Err(Reported)
-    }
-
     /// Runs `body` once for each combination of the clauses' elements, with their names declared. Stops at the first
     /// iteration in which something is wrong, and says which one it was.
     pub(super) fn each(
@@ -44,16 +45,18 @@ impl Interpreter<'_> {
         let Some((clause, rest)) = clauses.split_first() else { return body(self, scope, path) };
         let over = self.eval(scope, &clause.over, None)?;
         let span = clause.over.span;
-        let (items, first): (Rc<[Value]>, Option<f64>) = match over {
-            Value::List(items) => (items, None),
-            Value::Range(lo, hi) => (self.whole_numbers(lo, hi, span)?, Some(lo)),
+        let (items, count, first) = match over {
+            Value::List(items) => (Some(items.clone()), items.len(), None),
+            Value::Range(lo, hi) => (None, self.whole_numbers(lo, hi, span)?, Some(lo)),
             other => {
                 let message = format!("a loop runs over a list or a range, not {}", other.kind());
                 return self.report(Finding::error("type-mismatch", span, message).label(other.kind()));
             }
         };
-        for (at, item) in items.iter().enumerate() {
+        for at in 0..count {
             self.step(span)?;
+            let number = Value::Number(first.unwrap_or(0.0) + at as f64);
+            let item = items.as_ref().and_then(|items| items.get(at)).unwrap_or(&number);
             let values = self.destructure(clause, item)?;
             let mark = scope.mark();
             for (name, value) in clause.names.iter().zip(values) {
@@ -96,7 +99,10 @@ impl Interpreter<'_> {
     /// The parts of an element that a clause names.
     fn destructure(&mut self, clause: &Clause, item: &Value) -> Result<Vec<Value>, Reported> {
         let values: Vec<Value> = match (clause.tuple, item) {
-            (true, Value::Tuple(parts)) => parts.to_vec(),
+            (true, Value::Tuple(parts)) => {
+                self.spend(parts.len() as u64, clause.over.span)?;
+                parts.to_vec()
+            }
             (true, Value::Vector(parts)) => parts.iter().map(|part| Value::Number(*part)).collect(),
             (_, item) => vec![item.clone()],
         };
@@ -110,10 +116,13 @@ impl Interpreter<'_> {
         )
     }
 
-    /// The whole numbers of a range, both ends included; `a..a-1` is empty.
-    fn whole_numbers(&mut self, lo: f64, hi: f64, span: Span) -> Result<Rc<[Value]>, Reported> {
+    /// How many whole numbers a range has, both ends included; `a..a-1` is empty.
+    fn whole_numbers(&mut self, lo: f64, hi: f64, span: Span) -> Result<usize, Reported> {
         if lo.fract() != 0.0 || hi.fract() != 0.0 {
-            return self.report(Finding::error("type-mismatch", span, "a loop's range has whole ends"));
+            return self
+                .report(Finding::error("type-mismatch", span, "a loop's range has whole ends").help(
+                    "count in whole numbers and compute the rest: `for i in 0..4 { let x = 0.5 + 0.5 * i ... }`",
+                ));
         }
         let count = hi - lo + 1.0;
         if count < 0.0 {
@@ -129,7 +138,7 @@ impl Interpreter<'_> {
                     .help(Limit::help("list")),
             );
         }
-        Ok((0..count as u32).map(|step| Value::Number(lo + f64::from(step))).collect())
+        Ok(count as usize)
     }
 
     /// `for ... { statements }`
@@ -225,22 +234,42 @@ impl Interpreter<'_> {
     ) -> Result<Value, Reported> {
         let typed = Typed::new(self, ty);
         let written = self.eval(scope, default, None);
-        let allowed = range.map(|range| self.eval(scope, range, None)).transpose();
+        let allowed = range.map(|range| self.allowed(scope, range)).transpose();
         let (typed, written, allowed) = (typed?, written?, allowed?);
         let mut value = self.accept(&typed, written, default.span, &name.text)?;
         self.in_range(&value, allowed.as_ref(), default.span, name)?;
-        self.scene_parameters.push(SceneParameter { name: name.text.clone(), ty: typed.words() });
+        let at = self.scene_parameters.len();
+        self.scene_parameters.push(SceneParameter {
+            name: name.text.clone(),
+            ty: typed.words(),
+            value: value.written(),
+            allowed: allowed.as_ref().map_or(String::new(), Allowed::words),
+        });
         let given = self.set.iter().rev().find(|(given, _)| *given == name.text).map(|(_, text)| text.clone());
         if let Some(text) = given {
-            let (set, span) = self.parse_setting(scope, name, &text)?;
+            let (set, span) = self.parse_setting(scope, name, &typed, &text)?;
             value = self.accept(&typed, set, span, &name.text)?;
             self.in_range(&value, allowed.as_ref(), span, name)?;
+            if let Some(known) = self.scene_parameters.get_mut(at) {
+                known.value = value.written();
+            }
         }
         Ok(value)
     }
 
     /// The value of a parameter that was given from outside, as the text of an expression.
-    fn parse_setting(&mut self, scope: &mut Scope, name: &Name, text: &str) -> Result<(Value, Span), Reported> {
+    fn parse_setting(
+        &mut self,
+        scope: &mut Scope,
+        name: &Name,
+        typed: &Typed,
+        text: &str,
+    ) -> Result<(Value, Span), Reported> {
+        // A shell takes quotes away: a bare word is the string itself.
+        if typed.is_string() && !text.starts_with('\u{22}') {
+            let file = self.sources.add(format!("--set {}={text}", name.text), text);
+            return Ok((Value::String(text.into()), Span::new(file, 0, text.len())));
+        }
         let source = format!("let value = {text}");
         let file = self.sources.add(format!("--set {}={text}", name.text), source.as_str());
         let (tree, findings) = syntax::parse(file, &source);
@@ -260,33 +289,55 @@ impl Interpreter<'_> {
         }
     }
 
-    fn in_range(&mut self, value: &Value, allowed: Option<&Value>, span: Span, name: &Name) -> Result<(), Reported> {
+    /// What a parameter may be: `0..1`, `2deg..90deg`, or a list.
+    fn allowed(&mut self, scope: &mut Scope, range: &Expr) -> Result<Allowed, Reported> {
+        if let ExprKind::Binary(Binary::Range, _, ends) = &range.kind {
+            let (lo, hi) = (self.eval(scope, &ends.0, None), self.eval(scope, &ends.1, None));
+            match (lo?, hi?) {
+                (Value::Angle(lo), Value::Angle(hi)) => return Ok(Allowed::Angles(lo, hi)),
+                (Value::Number(lo), Value::Number(hi)) => return Ok(Allowed::Value(Value::Range(lo, hi))),
+                _ => {}
+            }
+        }
+        self.eval(scope, range, None).map(Allowed::Value)
+    }
+
+    fn in_range(&mut self, value: &Value, allowed: Option<&Allowed>, span: Span, name: &Name) -> Result<(), Reported> {
         let Some(allowed) = allowed else { return Ok(()) };
         let inside = match (value, allowed) {
-            (Value::Number(n), Value::Range(lo, hi)) => (*lo..=*hi).contains(n),
-            (value, Value::List(items)) => items.iter().any(|item| super::ops::same(value, item) == Some(true)),
+            (Value::Number(n), Allowed::Value(Value::Range(lo, hi))) | (Value::Angle(n), Allowed::Angles(lo, hi)) => {
+                (*lo..=*hi).contains(n)
+            }
+            (value, Allowed::Value(Value::List(items))) => {
+                let mut left = self.left();
+                let before = left;
+                let found = items.iter().any(|item| super::ops::compare(value, item, &mut left) == Some(true));
+                self.spend(before - left, span)?;
+                found
+            }
             _ => {
                 return self.report(
                     Finding::error(
                         "type-mismatch",
                         name.span,
-                        format!("`in` takes a range of numbers or a list, not {}", allowed.kind()),
+                        format!("`in` takes a range or a list that fits {}, not {}", value.kind(), allowed.words()),
                     )
-                    .help("write for example `in 0.01..1`, or `in [\"a\", \"b\"]`"),
+                    .help("write for example `in 0.01..1`, `in 2deg..90deg`, or `in [\"a\", \"b\"]`"),
                 );
             }
         };
         if inside {
             return Ok(());
         }
-        let allowed = match allowed {
-            Value::Range(lo, hi) => format!("allowed is {lo}..{hi}"),
-            _ => "it is not in the list".to_owned(),
-        };
+        let allowed = allowed.words();
         self.report(
-            Finding::error("parameter-range", span, format!("the value of `{}` is not allowed", name.text))
-                .label(allowed)
-                .also(name.span, "declared here"),
+            Finding::error(
+                "parameter-range",
+                span,
+                format!("`{}` is {}, and allowed is {allowed}", name.text, value.written()),
+            )
+            .label("not allowed")
+            .also(name.span, "declared here"),
         )
     }
 

@@ -13,6 +13,7 @@ use super::module::{Module, Scope};
 use super::numeric::Program;
 use super::table::{self, Family};
 use super::value::{GroupValue, MaterialValue, Ty, Value};
+use super::work::HOLD_DEPTH;
 use super::{Interpreter, Reported, TRAIL};
 
 /// How deep calls of functions may nest.
@@ -29,7 +30,9 @@ pub(super) struct Function {
     captured: BTreeMap<String, Value>,
     span: Span,
     /// Groups that calls have made, by their arguments: equal calls are one group.
-    made: RefCell<BTreeMap<String, Value>>,
+    made: RefCell<BTreeMap<u128, Value>>,
+    /// How deep functions and lists lie within each other in what the body names.
+    depth: usize,
     /// The translated body, made at the first call; none where it does more than compute with numbers.
     program: OnceCell<Option<Program>>,
 }
@@ -60,6 +63,14 @@ enum Element {
     Table(Ty),
     Vec2,
     Range,
+}
+
+/// Why a value is not of a type.
+enum Unfit {
+    /// It is of another one.
+    Type,
+    /// It is too large to be looked at, which has been reported.
+    Reported,
 }
 
 /// The words for types.
@@ -107,6 +118,11 @@ impl Typed {
         format!("{}a list of {first}s{rest}", "a list of lists: ".repeat(self.lists - 1))
     }
 
+    /// Whether it is a string.
+    pub(super) fn is_string(&self) -> bool {
+        self.lists == 0 && matches!(self.of, Element::Table(Ty::String))
+    }
+
     fn family(&self) -> Option<Family> {
         match (self.of, self.lists) {
             (Element::Table(Ty::Material), 0) => Some(Family::Material),
@@ -115,22 +131,54 @@ impl Typed {
         }
     }
 
-    fn check(&self, value: Value, lists: usize) -> Result<Value, ()> {
+    fn check(&self, interpreter: &mut Interpreter<'_>, value: Value, lists: usize, span: Span) -> Result<Value, Unfit> {
         if lists > 0 {
-            let Value::List(items) = value else { return Err(()) };
-            let items: Result<Vec<Value>, ()> = items.iter().map(|item| self.check(item.clone(), lists - 1)).collect();
-            return items.map(|items| Value::List(items.into()));
+            let Value::List(items) = &value else { return Err(Unfit::Type) };
+            interpreter.spend(items.len() as u64, span).map_err(|Reported| Unfit::Reported)?;
+            // What stays as it is stays shared: only numbers that become colors make a new list.
+            if lists == 1 && self.keeps(items) {
+                return Ok(value);
+            }
+            let checked: Result<Vec<Value>, Unfit> =
+                items.iter().map(|item| self.check(interpreter, item.clone(), lists - 1, span)).collect();
+            let checked = checked?;
+            if lists > 1 && !matches!(self.of, Element::Table(Ty::Color)) {
+                return Ok(value);
+            }
+            return interpreter.elements(checked, span).map(Value::List).map_err(|Reported| Unfit::Reported);
         }
         match (self.of, value) {
-            (Element::Table(ty), value) => ty.accept(value).map_err(|_| ()),
+            (Element::Table(ty), value) => ty.accept(value).map_err(|_| Unfit::Type),
             (Element::Vec2, Value::Vector(parts)) if parts.len() == 2 => Ok(Value::Vector(parts)),
             (Element::Range, Value::Range(lo, hi)) => Ok(Value::Range(lo, hi)),
-            (Element::Vec2 | Element::Range, _) => Err(()),
+            (Element::Vec2 | Element::Range, _) => Err(Unfit::Type),
         }
+    }
+
+    /// Whether all of `items` are of the type of an element and remain as they are.
+    fn keeps(&self, items: &[Value]) -> bool {
+        items.iter().all(|item| match (self.of, item) {
+            (Element::Table(Ty::Number), Value::Number(_))
+            | (Element::Table(Ty::Angle), Value::Angle(_))
+            | (Element::Table(Ty::Bool), Value::Bool(_))
+            | (Element::Table(Ty::String), Value::String(_))
+            | (Element::Table(Ty::Color), Value::Color(_))
+            | (Element::Table(Ty::Material), Value::Material(_))
+            | (Element::Table(Ty::Mesh), Value::Mesh(_))
+            | (Element::Range, Value::Range(..)) => true,
+            (Element::Table(Ty::Vec3), Value::Vector(parts)) => parts.len() == 3,
+            (Element::Vec2, Value::Vector(parts)) => parts.len() == 2,
+            _ => false,
+        })
     }
 }
 
 impl Function {
+    /// How deep functions and lists lie within each other, this one included.
+    pub(super) fn depth(&self) -> usize {
+        self.depth
+    }
+
     /// Whether calls of it are groups.
     pub(super) fn makes_groups(&self) -> bool {
         self.kind == Kind::Group
@@ -158,8 +206,10 @@ impl Interpreter<'_> {
             return Err(Reported);
         }
         let number = if let Value::Number(n) = &value { Some(*n) } else { None };
-        if let Ok(value) = ty.check(value, ty.lists) {
-            return Ok(value);
+        match ty.check(self, value, ty.lists, span) {
+            Ok(value) => return Ok(value),
+            Err(Unfit::Reported) => return Err(Reported),
+            Err(Unfit::Type) => {}
         }
         match (ty.of, number) {
             (Element::Table(Ty::Angle), Some(n)) if ty.lists == 0 => self.report(
@@ -186,11 +236,13 @@ impl Interpreter<'_> {
         let (made, good) = self.parameters(scope, params);
         let mut names = Free::of(params);
         names.expr(body);
+        self.spend(names.parts, name.span)?;
         let (captured, known) = self.capture(scope, name, names);
         let good = good && known;
         if !good {
             return Err(Reported);
         }
+        let depth = self.nested(&captured, name.span)?;
         Ok(Value::Function(Rc::new(Function {
             name: name.text.clone(),
             kind,
@@ -199,8 +251,19 @@ impl Interpreter<'_> {
             captured,
             span: name.span,
             made: RefCell::default(),
+            depth,
             program: OnceCell::new(),
         })))
+    }
+
+    /// How deep functions and lists lie within each other in a function that names these values.
+    fn nested(&mut self, captured: &BTreeMap<String, Value>, span: Span) -> Result<usize, Reported> {
+        let depth = 1 + captured.values().map(Value::depth).max().unwrap_or(0);
+        if depth > HOLD_DEPTH {
+            let message = format!("functions name each other more than {HOLD_DEPTH} levels deep");
+            return self.report(Finding::error("nesting-limit", span, message));
+        }
+        Ok(depth)
     }
 
     /// The values of the names that a body uses, and whether all of them are known; those that are not are reported.
@@ -233,7 +296,7 @@ impl Interpreter<'_> {
             } else {
                 good &= self.name(scope, &text, span).is_ok();
                 let own = names.bound.iter().chain(names.declared.iter().map(|name| &name.text));
-                let meant = nearest(&text, own.map(String::as_str));
+                let meant = if self.suggests() { nearest(&text, own.map(String::as_str)) } else { None };
                 if let (Some(finding), Some(meant)) = (self.findings.last_mut(), meant)
                     && finding.help.is_none()
                 {
@@ -259,10 +322,10 @@ impl Interpreter<'_> {
     /// The parameters of a function, and whether all of them are good.
     fn parameters(&mut self, scope: &mut Scope, params: &[Param]) -> (Vec<Parameter>, bool) {
         let mut made = Vec::new();
+        let mut seen = BTreeMap::new();
         let mut good = true;
         for param in params {
-            let twin =
-                made.iter().find(|known: &&Parameter| known.name.text == param.name.text).map(|known| known.name.span);
+            let twin = seen.insert(param.name.text.as_str(), param.name.span);
             if let Some(first) = twin.or_else(|| scope.place(&param.name.text)) {
                 self.duplicate(&param.name, first);
                 good = false;
@@ -299,10 +362,11 @@ impl Interpreter<'_> {
         self.shadows_builtin(name);
         let (made, mut good) = self.parameters(scope, params);
         let mut captured = BTreeMap::new();
+        let mut names = Free::of(params);
+        names.statements(body);
+        self.spend(names.parts, name.span)?;
         // A group without parameters is evaluated here and now, where its names can be seen.
         if !params.is_empty() {
-            let mut names = Free::of(params);
-            names.statements(body);
             let known;
             (captured, known) = self.capture(scope, name, names);
             good &= known;
@@ -310,6 +374,7 @@ impl Interpreter<'_> {
         if !good {
             return Err(Reported);
         }
+        let depth = self.nested(&captured, name.span)?;
         let function = Function {
             name: name.text.clone(),
             kind: Kind::Group,
@@ -318,6 +383,7 @@ impl Interpreter<'_> {
             captured,
             span: name.span,
             made: RefCell::default(),
+            depth,
             program: OnceCell::new(),
         };
         if params.is_empty() { self.group_items(scope, &function) } else { Ok(Value::Function(Rc::new(function))) }
@@ -374,12 +440,23 @@ impl Interpreter<'_> {
             return None;
         }
         let mut steps = self.steps + places.len() as u64;
-        let program = function.program.get_or_init(|| Program::of(function)).as_ref()?;
+        let program = self.program(function, places.len())?;
         let results = program.run_many(places, &mut steps)?;
         (steps <= self.limits.steps).then(|| {
             self.steps = steps;
             results
         })
+    }
+
+    /// The translated body of a function, to be run `times`, if that can be afforded; it counts as work here.
+    fn program<'a>(&mut self, function: &'a Function, times: usize) -> Option<&'a Program> {
+        let program = function.program.get_or_init(|| Program::of(function)).as_ref()?;
+        let units = program.units().saturating_mul(times as u64);
+        if !self.affords(units) {
+            return None;
+        }
+        self.spend(units, function.span).ok()?;
+        Some(program)
     }
 
     /// The value of a function's body for the parameters' values; `call` is where it is called.
@@ -391,7 +468,7 @@ impl Interpreter<'_> {
                 format!("functions call each other more than {CALL_DEPTH} levels deep"),
             ));
         }
-        if let Some(program) = function.program.get_or_init(|| Program::of(function)) {
+        if let Some(program) = self.program(function, 1) {
             let mut steps = self.steps;
             let result = program.run(values, &mut steps);
             if let Some(result) = result.filter(|_| steps <= self.limits.steps) {
@@ -405,6 +482,8 @@ impl Interpreter<'_> {
             Kind::Texture => Some(Family::Texture),
             _ => None,
         };
+        self.spend(function.captured.len() as u64, call)?;
+        let key = if matches!(function.body, Body::Group(_)) { self.fingerprint(values, call)? } else { 0 };
         let before = self.findings.len();
         self.call_depth += 1;
         let made = match &function.body {
@@ -413,7 +492,6 @@ impl Interpreter<'_> {
                 self.eval(&mut inner, body, family).map(|value| (value, body.span))
             }
             Body::Group(_) => {
-                let key = format!("{values:?}");
                 let known = function.made.borrow().get(&key).cloned();
                 let group =
                     known.map_or_else(|| self.group_items(&mut Self::inner_scope(function, values), function), Ok);
@@ -456,7 +534,10 @@ impl Interpreter<'_> {
         let piped = call.piped.iter().map(|value| (None, value));
         for (label, value) in piped.chain(call.args.iter().map(|arg| (arg.label.as_ref(), &arg.value))) {
             let at = match label {
-                Some(label) => function.params.iter().position(|param| param.name.text == label.text),
+                Some(label) => {
+                    self.spend(function.params.len() as u64, label.span)?;
+                    function.params.iter().position(|param| param.name.text == label.text)
+                }
                 None => {
                     next += 1;
                     Some(next - 1).filter(|at| *at < function.params.len())
@@ -534,34 +615,41 @@ impl Interpreter<'_> {
 }
 
 /// Finds the names of an expression that nothing in it binds.
+#[derive(Default)]
 struct Free {
     /// Name, place, and whether it is called.
     found: Vec<(String, Span, bool)>,
     bound: Vec<String>,
+    /// How often each of them is bound.
+    counts: BTreeMap<String, usize>,
+    /// How many expressions and statements were looked at.
+    parts: u64,
     /// The names that are bound within, parameters aside.
     declared: Vec<Name>,
 }
 
 impl Free {
     fn of(params: &[Param]) -> Self {
-        let bound = params.iter().map(|param| param.name.text.clone()).collect();
-        Self { found: Vec::new(), bound, declared: Vec::new() }
+        let mut names = Self::default();
+        params.iter().for_each(|param| names.bind_text(&param.name.text));
+        names
     }
 
     /// The statements of a group: what they declare is bound behind its declaration.
     fn statements(&mut self, body: &[Statement]) {
         let before = self.bound.len();
         for statement in body {
+            self.parts += 1;
             match &statement.kind {
                 StatementKind::Declaration { kind, name, params, value, with } => {
                     let outside = self.bound.len();
                     for param in params.iter().flatten() {
                         param.default.iter().for_each(|default| self.expr(default));
-                        self.bound.push(param.name.text.clone());
+                        self.bind_text(&param.name.text);
                     }
                     self.expr(value);
                     with.iter().for_each(|with| self.expr(with));
-                    self.bound.truncate(outside);
+                    self.release(outside);
                     let values = [Kind::Let, Kind::Material, Kind::Mesh, Kind::Texture, Kind::Group];
                     name.iter().filter(|_| values.contains(kind)).for_each(|name| self.bind(name));
                 }
@@ -569,17 +657,17 @@ impl Free {
                     let outside = self.bound.len();
                     for param in params {
                         param.default.iter().for_each(|default| self.expr(default));
-                        self.bound.push(param.name.text.clone());
+                        self.bind_text(&param.name.text);
                     }
                     self.statements(body);
-                    self.bound.truncate(outside);
+                    self.release(outside);
                     self.bind(name);
                 }
                 StatementKind::For { clauses, body } => {
                     let outside = self.bound.len();
                     self.clauses(clauses);
                     self.statements(body);
-                    self.bound.truncate(outside);
+                    self.release(outside);
                 }
                 StatementKind::If { branches, otherwise } => {
                     for (condition, body) in branches {
@@ -596,7 +684,7 @@ impl Free {
                 | StatementKind::Allow { .. } => {}
             }
         }
-        self.bound.truncate(before);
+        self.release(before);
     }
 
     fn clauses(&mut self, clauses: &[Clause]) {
@@ -606,18 +694,36 @@ impl Free {
         }
     }
 
+    fn bind_text(&mut self, text: &str) {
+        self.bound.push(text.to_owned());
+        *self.counts.entry(text.to_owned()).or_default() += 1;
+    }
+
+    /// Forgets the names that were bound since there were `before`.
+    fn release(&mut self, before: usize) {
+        for name in self.bound.drain(before..) {
+            if let Some(count) = self.counts.get_mut(&name) {
+                *count -= 1;
+                if *count == 0 {
+                    self.counts.remove(&name);
+                }
+            }
+        }
+    }
+
     fn bind(&mut self, name: &Name) {
-        self.bound.push(name.text.clone());
+        self.bind_text(&name.text);
         self.declared.push(name.clone());
     }
 
     fn name(&mut self, text: &str, span: Span, called: bool) {
-        if !self.bound.iter().any(|bound| bound == text) {
+        if !self.counts.contains_key(text) {
             self.found.push((text.to_owned(), span, called));
         }
     }
 
     fn expr(&mut self, expr: &Expr) {
+        self.parts += 1;
         match &expr.kind {
             ExprKind::Number(_) | ExprKind::Unit(..) | ExprKind::String(_) | ExprKind::Bool(_) | ExprKind::Row(_) => {}
             ExprKind::Name(text) => self.name(text, expr.span, false),
@@ -644,6 +750,6 @@ impl Free {
         let before = self.bound.len();
         self.clauses(clauses);
         self.expr(body);
-        self.bound.truncate(before);
+        self.release(before);
     }
 }

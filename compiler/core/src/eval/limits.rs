@@ -13,8 +13,10 @@ pub struct Limits {
     pub list: usize,
     /// Pixels of an image.
     pub pixels: u64,
-    /// Calls and iterations.
+    /// Calls and iterations, and work that takes as long.
     pub steps: u64,
+    /// Bytes that values hold at one time.
+    pub memory: u64,
     /// Triangles that generators and stages of a scene make together.
     pub triangles: u64,
     /// Shapes and instances, those in groups counted as often as their group is placed.
@@ -29,6 +31,7 @@ impl Default for Limits {
             list: 1_000_000,
             pixels: 1 << 27,
             steps: 10_000_000,
+            memory: 2 << 30,
             triangles: 50_000_000,
             instances: 10_000_000,
         }
@@ -81,10 +84,17 @@ impl Limit {
         },
         Self {
             name: "steps",
-            what: "calls and iterations of loops in a scene",
+            what: "calls and iterations of loops in a scene; 32 parts of expressions or elements of lists count as one",
             most: 1 << 50,
             get: |limits| limits.steps,
             set: |limits, value| limits.steps = value,
+        },
+        Self {
+            name: "memory",
+            what: "bytes that lists, spectra, vertices and places of a scene take while it is read",
+            most: 1 << 50,
+            get: |limits| limits.memory,
+            set: |limits, value| limits.memory = value,
         },
         Self {
             name: "triangles",

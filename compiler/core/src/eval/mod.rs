@@ -1,7 +1,7 @@
 //! Tree to Scene: names, types, units, constructors. Every error is a finding; evaluation goes on behind it.
 //!
 //! Reading order: `value`, `ops`, [`table`] (constructors), `expr` (expressions and calls), `function`, `numeric` (functions of numbers, translated), `module` (statements
-//! and `use`), `items` (shapes, instances, settings), `flow` (loops, conditions, parameters), `limits` (how large a scene may become), `synonyms` (words of other renderers), `unused` (names), `assemble` (the Scene).
+//! and `use`), `items` (shapes, instances, settings), `flow` (loops, conditions, parameters), `limits` (how large a scene may become), `work` (what evaluation may spend), `synonyms` (words of other renderers), `unused` (names), `assemble` (the Scene).
 
 #![expect(clippy::wildcard_enum_match_arm, reason = "a value of any other type is the same mistake, and is reported")]
 
@@ -18,6 +18,7 @@ mod synonyms;
 mod table;
 mod unused;
 mod value;
+mod work;
 
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -28,6 +29,7 @@ use crate::files::{Files, VPath};
 use crate::ir::{Affine, Arena, Documentation, Scene, Texture};
 
 pub use limits::{Limit, Limits, parse_amount};
+pub use synonyms::any as synonym;
 pub use table::{Constructor, Family, Parameter, table};
 pub use value::Ty;
 
@@ -50,14 +52,8 @@ pub struct Overrides {
     pub limits: Limits,
 }
 
-/// A parameter that a scene declares.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct SceneParameter {
-    /// Its name.
-    pub name: String,
-    /// Its type in words.
-    pub ty: String,
-}
+/// A parameter that a scene declares, with its value.
+pub use crate::ir::ParameterValue as SceneParameter;
 
 /// A suppression written in a scene: findings of `id` that start in `range` are allowed.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -172,6 +168,8 @@ struct Interpreter<'f> {
     scattered: BTreeMap<VPath, Arc<[Affine]>>,
     /// Calls and iterations up to now.
     steps: u64,
+    /// Work and memory up to now.
+    work: work::Work,
     /// Triangles that generators and stages made up to now.
     triangles: u64,
     limits: Limits,
@@ -199,6 +197,7 @@ impl<'f> Interpreter<'f> {
             textures: Arena::default(),
             scattered: BTreeMap::new(),
             steps: 0,
+            work: work::Work::default(),
             triangles: 0,
             limits,
             call_depth: 0,

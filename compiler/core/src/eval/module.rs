@@ -23,8 +23,8 @@ pub(super) type Names = BTreeMap<String, (Value, Span)>;
 #[derive(Default)]
 pub(super) struct Scope {
     names: Names,
-    /// Loop variables, innermost last.
-    inner: Vec<(String, Value, Span)>,
+    /// Those of them that loops, groups and conditions declare, innermost last.
+    inner: Vec<String>,
     /// The file, to say "declared below".
     ahead: Option<Ahead>,
 }
@@ -57,14 +57,20 @@ impl Scope {
     }
 
     fn entry(&self, name: &str) -> Option<(&Value, Span)> {
-        let inner = self.inner.iter().rev().find(|(known, _, _)| known == name).map(|(_, value, span)| (value, *span));
-        inner.or_else(|| self.names.get(name).map(|(value, span)| (value, *span)))
+        self.names.get(name).map(|(value, span)| (value, *span))
     }
 
     /// Where the file declares `name`, if it does so below `at` or in the same statement.
     pub(super) fn later(&self, name: &str, at: Span) -> Option<Span> {
         let (span, end) = self.ahead.as_ref()?.find(name)?;
         (span.file == at.file && end > at.start as usize).then_some(span)
+    }
+
+    /// Whether the file declares `name` above `at` in a statement that is broken: its value is not there, and no one wants to read
+    /// that again.
+    pub(super) fn broken(&self, name: &str, at: Span) -> bool {
+        let found = self.ahead.as_ref().and_then(|ahead| ahead.find(name));
+        found.is_some_and(|(span, end)| span.file == at.file && end <= at.start as usize)
     }
 
     /// Where `name` is declared.
@@ -78,14 +84,13 @@ impl Scope {
     }
 
     pub(super) fn names(&self) -> impl Iterator<Item = &str> + Clone {
-        self.names.keys().map(String::as_str).chain(self.inner.iter().map(|(name, _, _)| name.as_str()))
+        self.names.keys().map(String::as_str)
     }
 
     /// The names that can be called.
     pub(super) fn functions(&self) -> impl Iterator<Item = &str> + Clone {
-        let outer = self.names.iter().map(|(name, (value, _))| (name, value));
-        let all = outer.chain(self.inner.iter().map(|(name, value, _)| (name, value)));
-        all.filter(|(_, value)| matches!(value, Value::Function(_))).map(|(name, _)| name.as_str())
+        let functions = self.names.iter().filter(|(_, (value, _))| matches!(value, Value::Function(_)));
+        functions.map(|(name, _)| name.as_str())
     }
 
     /// To be given to [`Scope::release`] when the names declared since go out of sight.
@@ -94,7 +99,9 @@ impl Scope {
     }
 
     pub(super) fn release(&mut self, mark: usize) {
-        self.inner.truncate(mark);
+        for name in self.inner.drain(mark..) {
+            self.names.remove(&name);
+        }
     }
 }
 
@@ -201,6 +208,12 @@ impl Interpreter<'_> {
             let finding = Finding::error("not-text", place, format!("`{path}` contains a zero byte"))
                 .note(format!("the first one is at byte {at}"));
             return Err(Box::new(finding.help("scene files are text; is this a binary file?")));
+        }
+        if let Some(what) = foreign_text(text) {
+            return Err(Box::new(
+                Finding::error("foreign-file", place, format!("`{path}` is {what}, not a scene of ltsc"))
+                    .help("a scene is written in the language `.lts`; `ltsc init` makes one to start from"),
+            ));
         }
         Ok(self.sources.add(path.as_str(), text))
     }
@@ -362,7 +375,8 @@ impl Interpreter<'_> {
     /// Declares a loop variable, to be released with its [`Scope::mark`].
     pub(super) fn declare_inner(&mut self, scope: &mut Scope, name: &Name, value: Value) {
         if self.is_free(scope, name) {
-            scope.inner.push((name.text.clone(), value, name.span));
+            scope.names.insert(name.text.clone(), (value, name.span));
+            scope.inner.push(name.text.clone());
         }
     }
 
@@ -435,7 +449,8 @@ impl Interpreter<'_> {
             };
             if found.is_none() {
                 let known = library.iter().flat_map(|names| names.keys().map(String::as_str));
-                let similar = nearest(&name.text, known).map(|name| format!("did you mean `{name}`?"));
+                let similar = if self.suggests() { nearest(&name.text, known) } else { None };
+                let similar = similar.map(|name| format!("did you mean `{name}`?"));
                 self.findings.push(
                     Finding::error("unknown-name", name.span, format!("`{}` declares no `{}`", path.text, name.text))
                         .label("not in that file")
@@ -630,6 +645,21 @@ impl Interpreter<'_> {
             )
             .label(found.kind()),
         )
+    }
+}
+
+/// What a text is that was pasted into a scene file from another format; none for what may be a scene.
+fn foreign_text(text: &str) -> Option<&'static str> {
+    let start = text.trim_start_matches('\u{feff}').trim_start();
+    let python = |line: &str| {
+        line.starts_with("import ") && !line.contains('"') || line.starts_with("from ") && line.contains(" import ")
+    };
+    match start.as_bytes().first()? {
+        b'<' => Some("XML"),
+        b'{' => Some("JSON"),
+        b'#' if start.starts_with("#!") => Some("a program"),
+        _ if start.lines().next().is_some_and(python) => Some("a program in Python"),
+        _ => None,
     }
 }
 

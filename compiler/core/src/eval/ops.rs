@@ -5,8 +5,6 @@ use std::rc::Rc;
 use crate::ir::{Color, Meaning, Spectrum};
 use crate::syntax::{Binary, Unary};
 
-/// The most parts of values that are compared.
-const PARTS: usize = 1_000_000;
 use super::value::Value;
 
 /// Why an operator gives no value: the message, and what to write instead.
@@ -31,6 +29,14 @@ pub(super) fn finite(value: f64, what: &str) -> Result<f64, Wrong> {
     wrong(format!("the result of {what} is not a finite number"))
 }
 
+/// The parts of a spectrum, which operators look at each, with what its color takes; 0 for what is small.
+pub(super) fn parts(value: &Value) -> u64 {
+    match value {
+        Value::Color(color) => color.spectrum().map_or(0, |spectrum| spectrum.points().len() as u64 + 500),
+        _ => 0,
+    }
+}
+
 /// A sign before a value.
 pub(super) fn unary(operator: Unary, value: &Value) -> Result<Value, Wrong> {
     match (operator, value) {
@@ -43,12 +49,13 @@ pub(super) fn unary(operator: Unary, value: &Value) -> Result<Value, Wrong> {
     }
 }
 
-/// An operator between two values. `and` and `or` evaluate both sides: nothing has side effects.
-pub(super) fn binary(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wrong> {
+/// An operator between two values. `and` and `or` evaluate both sides: nothing has side effects. A comparison takes as many
+/// units off `left_over` as the values have parts.
+pub(super) fn binary(operator: Binary, left: &Value, right: &Value, left_over: &mut u64) -> Result<Value, Wrong> {
     match operator {
         Binary::Range => range(left, right),
         Binary::Or | Binary::And => logic(operator, left, right),
-        Binary::Equal | Binary::NotEqual => equality(operator, left, right),
+        Binary::Equal | Binary::NotEqual => equality(operator, left, right, left_over),
         Binary::Less | Binary::LessEqual | Binary::Greater | Binary::GreaterEqual => order(operator, left, right),
         Binary::Add | Binary::Subtract => sum(operator, left, right),
         Binary::Multiply => product(left, right),
@@ -76,6 +83,10 @@ fn mismatch<T>(operator: Binary, left: &Value, right: &Value) -> Result<T, Wrong
 fn range(left: &Value, right: &Value) -> Result<Value, Wrong> {
     match (left, right) {
         (Value::Number(lo), Value::Number(hi)) => Ok(Value::Range(*lo, *hi)),
+        (Value::Angle(_), Value::Angle(_)) => wrong_help(
+            "a range has numbers at its ends, not angles",
+            "count in numbers and multiply: `[for i in 0..9: i * 10deg]`",
+        ),
         _ => mismatch(Binary::Range, left, right),
     }
 }
@@ -87,24 +98,23 @@ fn logic(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wrong> 
     }
 }
 
-fn equality(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wrong> {
-    let mut left_over = PARTS;
-    match compare(left, right, &mut left_over) {
-        _ if left_over == 0 => wrong(format!("the values have more than {PARTS} parts, too many to compare")),
+fn equality(operator: Binary, left: &Value, right: &Value, left_over: &mut u64) -> Result<Value, Wrong> {
+    match compare(left, right, left_over) {
+        _ if *left_over == 0 => wrong("the values have too many parts to be compared"),
         Some(equal) => Ok(Value::Bool(equal == (operator == Binary::Equal))),
         None => mismatch(operator, left, right),
     }
 }
 
-/// Whether two values of the same type are equal; none for types that cannot be compared, and for very large values.
-pub(super) fn same(left: &Value, right: &Value) -> Option<bool> {
-    let mut left_over = PARTS;
-    compare(left, right, &mut left_over).filter(|_| left_over > 0)
-}
-
-/// [`same`] within a budget of parts: lists of lists share their parts, and can be larger than any memory.
-fn compare(left: &Value, right: &Value, left_over: &mut usize) -> Option<bool> {
-    *left_over = left_over.saturating_sub(1);
+/// Whether two values of the same type are equal; none for types that cannot be compared. Meaningless where nothing is left
+/// over: lists of lists share their parts, and can be larger than any memory.
+pub(super) fn compare(left: &Value, right: &Value, left_over: &mut u64) -> Option<bool> {
+    let parts = match left {
+        Value::String(text) => 1 + text.len() as u64 / 16,
+        Value::Color(color) => 1 + color.spectrum().map_or(0, |spectrum| spectrum.points().len() as u64),
+        _ => 1,
+    };
+    *left_over = left_over.saturating_sub(parts);
     if *left_over == 0 {
         return Some(false);
     }

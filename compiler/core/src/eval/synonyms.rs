@@ -11,6 +11,9 @@ const CONSTRUCTORS: &[(&str, Family, &str)] = &[
     ("metal", Family::Material, "conductor"),
     ("roughconductor", Family::Material, "conductor"),
     ("glass", Family::Material, "dielectric"),
+    ("roughplastic", Family::Material, "plastic"),
+    ("coateddiffuse", Family::Material, "plastic"),
+    ("disney", Family::Material, "principled"),
     ("roughdielectric", Family::Material, "dielectric"),
     ("specular", Family::Material, "mirror"),
     ("area", Family::Emission, "radiance"),
@@ -83,6 +86,11 @@ const PARAMETERS: &[(&str, &str)] = &[
     ("amount", "factor"),
     ("offset", "by"),
 ];
+
+/// What is called `name` in other renderers has this name here.
+pub fn any(name: &str) -> Option<&'static str> {
+    constructor(name, None)
+}
 
 /// The constructor of `family` (any, where none is asked for) that other renderers call `name`.
 pub(super) fn constructor(name: &str, family: Option<Family>) -> Option<&'static str> {

@@ -7,6 +7,8 @@ use crate::ir::{
     Affine, Bsdf, Color, Film, Filter, Handle, Integrator, LightKind, Mesh, Places, Sampler, Texture, Vec3,
 };
 
+use super::work::List;
+
 /// A value. No number in it is ever NaN or infinite.
 #[derive(Clone, Debug)]
 pub(super) enum Value {
@@ -18,8 +20,8 @@ pub(super) enum Value {
     /// Two to four numbers.
     Vector(Rc<[f64]>),
     /// Any other tuple.
-    Tuple(Rc<[Value]>),
-    List(Rc<[Value]>),
+    Tuple(List),
+    List(List),
     /// Both ends belong to it.
     Range(f64, f64),
     Color(Color),
@@ -85,6 +87,36 @@ pub(super) struct CameraValue {
 }
 
 impl Value {
+    /// How deep lists and functions lie within each other in it.
+    pub(super) fn depth(&self) -> usize {
+        match self {
+            Self::List(list) | Self::Tuple(list) => list.depth(),
+            Self::Function(function) => function.depth(),
+            _ => 0,
+        }
+    }
+
+    /// The value as it would be written; what is long or has no short form by its type.
+    pub(super) fn written(&self) -> String {
+        let row = |parts: &[f64]| parts.iter().map(f64::to_string).collect::<Vec<_>>().join(", ");
+        match self {
+            Self::Number(n) => n.to_string(),
+            Self::Angle(a) => format!("{a}deg"),
+            Self::Bool(b) => b.to_string(),
+            Self::String(text) => format!("{text:?}"),
+            Self::Vector(parts) => format!("({})", row(parts)),
+            Self::Range(lo, hi) => format!("{lo}..{hi}"),
+            Self::Color(color) if color.spectrum().is_none() => match color.rgb() {
+                [r, g, b] if r == g && g == b => r.to_string(),
+                rgb => format!("rgb({})", row(&rgb)),
+            },
+            Self::List(items) if items.len() <= 8 && items.iter().all(|item| !matches!(item, Self::List(_))) => {
+                format!("[{}]", items.iter().map(Self::written).collect::<Vec<_>>().join(", "))
+            }
+            other => other.kind().to_owned(),
+        }
+    }
+
     /// The type in words, for "expected ..., found ...".
     pub(super) fn kind(&self) -> &'static str {
         match self {
@@ -283,7 +315,7 @@ impl Ty {
     }
 }
 
-fn vectors(items: Rc<[Value]>, size: usize) -> Result<Value, Refusal> {
+fn vectors(items: List, size: usize) -> Result<Value, Refusal> {
     let good = |item: &Value| matches!(item, Value::Vector(parts) if parts.len() == size);
     match items.iter().position(|item| !good(item)) {
         None => Ok(Value::List(items)),

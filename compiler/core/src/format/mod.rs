@@ -57,14 +57,9 @@ pub fn unformatted(file: FileId, text: &str, made: &str) -> Finding {
         start += line.len();
     }
     let line = text[start..].lines().next().unwrap_or_default();
-    Finding::new(
-        "unformatted",
-        Severity::Deny,
-        Span::new(file, start, start + line.len()),
-        "the file has not its canonical form",
-    )
-    .label("the first line that differs")
-    .help("`ltsc fmt` writes it")
+    Finding::new("unformatted", Severity::Deny, Span::new(file, start, start + line.len()), "the file is not formatted")
+        .label("the first line that differs")
+        .help("`ltsc fmt` writes it")
 }
 
 fn layout(text: &str) -> String {

@@ -15,8 +15,23 @@ pub struct Documentation {
     pub comments: String,
     /// Where the scene comes from.
     pub source: String,
-    /// Under which licence it may be used.
+    /// Under which license it may be used.
     pub license: String,
+    /// Values of its parameters, which say what it became; those of its header alone have none.
+    pub parameters: Vec<ParameterValue>,
+}
+
+/// A parameter of a scene and the value that it has, from the command line or by default.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ParameterValue {
+    /// Its name.
+    pub name: String,
+    /// Its type in words.
+    pub ty: String,
+    /// Its value, as it would be written.
+    pub value: String,
+    /// What it may be, as it would be written; empty where that is not limited.
+    pub allowed: String,
 }
 
 /// A similar scene.

@@ -36,6 +36,7 @@ mod mesh;
 mod settings;
 mod shape;
 mod spectrum;
+mod suite;
 mod texture;
 
 pub use affine::{Affine, Vec3, cross, dot, length, normalized, sub};
@@ -43,7 +44,7 @@ pub use arena::{Arena, Handle};
 pub use camera::{Axes, Camera};
 pub use color::Color;
 pub(crate) use degrees::{cosines_degrees, sin_cos_degrees, sines_degrees};
-pub use doc::{Documentation, Similar};
+pub use doc::{Documentation, ParameterValue, Similar};
 pub use group::{GROUP_DEPTH, Group, INSTANCE_LIMIT, Instance, Places};
 pub use light::{LightKind, LightSource};
 pub use light_paths::{LightExtent, LightPathError, LightPaths};
@@ -52,6 +53,7 @@ pub use mesh::Mesh;
 pub use settings::{Film, Filter, Integrator, Sampler};
 pub use shape::{Emission, Shape};
 pub use spectrum::{Meaning, Spectrum};
+pub use suite::Scenes;
 pub use texture::{ColorOrTexture, Encoding, ImageFile, ImageFormat, ImageInfo, Texture};
 
 use crate::diag::Origin;

@@ -22,11 +22,12 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
         let triangles = plural(found.count, "triangle");
         report.add(
             scene.meshes.origin(handle),
-            format!("the mesh `{}` has {triangles} without area, the first is number {}", mesh.name, found.first),
+            format!("the mesh `{}` has {triangles} without area, the first at index {} (counted from 0)", mesh.name, found.first),
             "made here",
             "PBRT never hits a triangle without area, Mitsuba divides by its area, and of a sliver that vanishes in single \
              precision every renderer computes another normal",
-            "remove them in the program that made the mesh; `|> faceted()` and `|> smooth()` leave out those that have no area at all"
+            "remove them in the program that made the mesh; `|> faceted()` and `|> smooth()` leave out only those without any area, not \
+             slivers"
                 .to_owned(),
         );
     }

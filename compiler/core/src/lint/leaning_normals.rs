@@ -35,7 +35,9 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
             "this surface",
             "PBRT v3 lights a diffuse surface whose face looks to the light although the normal at that point looks away: the edge of \
              the shade is too bright",
-            "write more segments, or `|> faceted()` behind its mesh".to_owned(),
+            "make it finer where it bends (`segments`, points of the profile, `vertices`), or write `|> smooth(crease: 30deg)` or \
+             `|> faceted()` behind its mesh"
+                .to_owned(),
         );
         let made = scene.meshes.origin(shape.mesh);
         if made.span().is_some_and(|mesh| {

@@ -52,7 +52,7 @@ use std::collections::BTreeMap;
 
 use crate::contact::Contacts;
 use crate::diag::{CODES, Finding, Label, Origin, Severity, Span, nearest};
-use crate::ir::{Camera, Documentation, Handle, Mesh, Scene};
+use crate::ir::{Camera, Handle, Mesh, Scene, Scenes};
 use crate::mesh::{Faults, View, faults, is_closed};
 use crate::survey::{Placed, Survey};
 
@@ -134,7 +134,7 @@ pub struct UnusedName {
 #[derive(Clone, Debug, Default)]
 pub struct Around {
     /// The documentation of the project's scenes by name, this one's included; empty where a scene is looked at alone.
-    pub scenes: BTreeMap<String, Documentation>,
+    pub scenes: Scenes,
     /// Names that the text declares in vain.
     pub unused: Vec<UnusedName>,
     /// Where mesh files with normals of another length than 1 are read, and what was done about it.

@@ -2,6 +2,7 @@
 #![doc = include_str!("non_mesh_emitter.md")]
 
 use super::{Level, Report, Rule, Subject};
+use crate::ir::LightKind;
 
 pub(super) const RULE: Rule = Rule {
     id: "non-mesh-emitter",
@@ -18,8 +19,14 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
             origin,
             format!("the emitter `{}` is no surface but a light of kind `{}`", light.name, light.kind.word()),
             "this light",
-            "glTF has no environment and gives other lights in lumens; algorithms find such lights in one way only, so that \
-             nothing checks their strength; images of them differ where renderers meet them by chance",
+            match light.kind {
+                LightKind::Environment { .. } => {
+                    "glTF has no environment, and images of it differ where renderers sample it by chance"
+                }
+                LightKind::Point { .. } | LightKind::Spot { .. } | LightKind::Directional { .. } => {
+                    "glTF gives such a light in lumens or lux, and no path hits it by chance: nothing checks its strength"
+                }
+            },
             "write an area light: `emitter name = rectangle(...) with radiance(...)`".to_owned(),
         );
     }

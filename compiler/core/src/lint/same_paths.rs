@@ -3,9 +3,8 @@
 
 use super::{Level, Report, Rule, Subject};
 
-use std::collections::BTreeSet;
-
-use crate::ir::{Documentation, LightPaths};
+/// How many of the other scenes are named.
+const NAMED: usize = 3;
 
 pub(super) const RULE: Rule = Rule {
     id: "same-paths",
@@ -18,31 +17,22 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(subject: &Subject<'_>, report: &mut Report) {
     let scene = subject.scene;
-    let own = classes(&scene.documentation);
-    if own.is_empty() {
+    let own = &scene.documentation;
+    // Where one of two scenes says why it stands beside the other, what the other lacks is a finding of `one-sided-similar`.
+    let (near, count) = subject.around.scenes.with_same_paths(&scene.name, own, NAMED);
+    if count == 0 {
         return;
     }
-    for (name, other) in subject.around.scenes.iter().filter(|(name, _)| **name != scene.name) {
-        let argued = |from: &Documentation, to: &str| from.similar.iter().any(|similar| similar.scene == to);
-        // Where one of them says it, what the other lacks is a finding of `one-sided-similar`.
-        if classes(other) != own || argued(&scene.documentation, name) || argued(other, &scene.name) {
-            continue;
-        }
-        let list: Vec<&str> = scene.documentation.paths.iter().map(String::as_str).collect();
-        report.add(
-            &scene.origin,
-            format!("`{}` tests the same light paths as `{name}`", scene.name),
-            "this scene",
-            &format!("both test {}; a suite has few scenes, each for a purpose of its own", list.join(", ")),
-            format!(
-                "write what `{}` has that the other has not: `similar: [(\"{name}\", \"...\")]`, or remove one",
-                scene.name
-            ),
-        );
-    }
-}
-
-/// The classes of a scene, in one spelling and without order.
-fn classes(documentation: &Documentation) -> BTreeSet<String> {
-    documentation.paths.iter().map(|text| LightPaths::canonical(text)).collect()
+    let names: Vec<String> = near.iter().map(|name| format!("`{name}`")).collect();
+    let more = if count > near.len() { format!(" and {} more scenes", count - near.len()) } else { String::new() };
+    let pairs: Vec<String> = near.iter().map(|name| format!("(\"{name}\", \"...\")")).collect();
+    let (all, other, which) =
+        if count == 1 { ("both", "the other has not", "one") } else { ("all of them", "the others have not", "some") };
+    report.add(
+        &scene.origin,
+        format!("`{}` tests the same light paths as {}{more}", scene.name, names.join(", ")),
+        "this scene",
+        &format!("{all} test {}; a suite has few scenes, each for a purpose of its own", own.paths.join(", ")),
+        format!("write what `{}` has that {other}: `similar: [{}]`, or remove {which}", scene.name, pairs.join(", ")),
+    );
 }

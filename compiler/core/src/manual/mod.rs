@@ -39,7 +39,7 @@ pub static PAGES: &[Page] = &[
     Page { name: "findings", summary: "What ltsc can say about a scene, and why", text: |_| findings::page() },
     Page {
         name: "targets",
-        summary: "What each target says exactly, nearly, or not at all, and by what that was measured",
+        summary: "What each target supports, exactly or approximated, and how that was measured",
         text: targets::page,
     },
 ];

@@ -1,5 +1,6 @@
 //! The page of the language: the chapter written by hand, and the table of constructors.
 
+use crate::diag::WORDS;
 use crate::eval::{Constructor, Family, Limit, Limits, Parameter, table};
 use crate::ir::GROUP_DEPTH;
 use crate::syntax::{NAME_LIMIT, NESTING_LIMIT, RESERVED, VERSION};
@@ -13,7 +14,7 @@ pub(super) fn page() -> String {
     let mut text = format!("# The language `.lts`, version {VERSION}\n\n{MADE}\n## Contents\n\n");
     let headings = LANGUAGE.lines().filter_map(|line| line.strip_prefix("## ")).map(str::to_owned);
     let families = Family::ALL.iter().map(|family| heading(*family));
-    for heading in headings.chain(["Limits".to_owned(), "Reserved words".to_owned()]) {
+    for heading in headings.chain(["Limits", "Reserved words", "Words of the output"].map(str::to_owned)) {
         text.push_str(&format!("- [{heading}](#{})\n", anchor(&heading)));
     }
     text.push_str("- Constructors and functions\n");
@@ -24,7 +25,10 @@ pub(super) fn page() -> String {
     text.push_str(&limits());
     text.push_str("\n## Reserved words\n\nThey cannot be names, except in backticks (`` `mesh` ``): ");
     text.push_str(&RESERVED.iter().map(|word| format!("`{word}`")).collect::<Vec<_>>().join(", "));
-    text.push_str(".\n");
+    text.push_str(".\n\n## Words of the output\n\nWhat output says of scenes, targets and images, it says in these words.\n\n| word | meaning |\n|---|---|\n");
+    for (word, meaning) in WORDS {
+        text.push_str(&format!("| {word} | {} |\n", cell(meaning)));
+    }
     for family in Family::ALL {
         text.push_str(&chapter(family));
     }

@@ -8,8 +8,8 @@ use super::{MADE, Measured, Proof, anchor, capital, cell};
 pub(super) fn page(measured: &Measured) -> String {
     let mut text = format!(
         "# Targets\n\n{MADE}\n\
-         For each thing that a scene can ask for, each target answers: **exact** (it means the same), *nearly* (with what differs \
-         and by how much)\nor **no** (it is left out, with the finding `loss-dropped`). A build says which of these concern its \
+         For each thing that a scene can ask for, each target answers: **exact** (it means the same), *approximated* (there is no \
+         exact equivalent; what differs and by how much is said)\nor **no** (not supported: it is left out, with the finding `loss-dropped`). A build says which of these concern its \
          scenes; `ltsc explain --target NAME`\nprints one target. [conventions.md](conventions.md) has the mappings and the \
          measurements, [renderers.md](renderers.md) the conventions: scenes with known answers that renderers were given.\n\n| target | aliases | what it is | file to open |\n|---|---|---|---|\n"
     );
@@ -24,7 +24,7 @@ pub(super) fn page(measured: &Measured) -> String {
             target.main_file
         ));
     }
-    text.push_str("\n## Who says what\n\n| | ");
+    text.push_str("\n## What each target supports\n\n| | ");
     text.push_str(&TARGETS.iter().map(|target| format!("`{}`", target.name)).collect::<Vec<_>>().join(" | "));
     text.push_str(&format!(" |\n|---{}|\n", "|---".repeat(TARGETS.len())));
     for feature in Feature::ALL {
@@ -32,7 +32,7 @@ pub(super) fn page(measured: &Measured) -> String {
             .iter()
             .map(|target| match (target.supports)(*feature) {
                 Support::Exact => "exact",
-                Support::Approximate { why: _, bound: _ } => "*nearly*",
+                Support::Approximate { why: _, bound: _ } => "*approximated*",
                 Support::Unsupported { why: _ } => "**no**",
             })
             .collect();
@@ -73,9 +73,10 @@ fn section(target: &Target, measured: &Measured) -> String {
             }
         }
     }
-    let mut text =
-        format!("\n## `{}`\n\n{}. {exact} of {} exactly.\n", target.name, target.summary, Feature::ALL.len());
-    for (title, list) in [("Exactly, with other numbers", converted), ("Nearly", nearly), ("Not at all", dropped)] {
+    let mut text = format!("\n## `{}`\n\n{}. {exact} of {} exact.\n", target.name, target.summary, Feature::ALL.len());
+    for (title, list) in
+        [("Converted: exact, with other numbers", converted), ("Approximated", nearly), ("Not supported", dropped)]
+    {
         if !list.is_empty() {
             text.push_str(&format!("\n**{title}**\n\n{list}"));
         }
@@ -96,7 +97,7 @@ fn proofs(target: &Target, measured: &Measured) -> String {
     for feature in Feature::ALL {
         let word = match (target.supports)(*feature) {
             Support::Exact => "exact",
-            Support::Approximate { why: _, bound: _ } => "*nearly*",
+            Support::Approximate { why: _, bound: _ } => "*approximated*",
             Support::Unsupported { why: _ } => continue,
         };
         let proofs: Vec<String> = measured.of(target.name, *feature).iter().map(Proof::markdown).collect();

@@ -85,6 +85,15 @@ fn whole(junk: &str, at: &dyn Fn(usize, usize) -> Span) -> Option<Finding> {
     let is_word = first.starts_with(|c: char| c.is_ascii_alphabetic() || c == '_');
     if is_word && !STARTERS.contains(&first) {
         let similar = mistakes::statement_word(first).or_else(|| nearest(first, STARTERS.iter().copied()));
+        let after = junk[first.len()..].trim_start();
+        if after.starts_with('=') && !after.starts_with("==") {
+            let finding = Finding::error(
+                "syntax-error",
+                at(0, first.len()),
+                format!("no statement starts with `{}`", clip(first)),
+            );
+            return Some(finding.label("a name without its kind").help(format!("write `let {} = ...`", clip(first))));
+        }
         let help = similar.map_or_else(
             || {
                 "a statement starts with its kind, for example `let name = ...` or `shape name = ... with ...`"

@@ -52,8 +52,14 @@ pub(super) fn find(junk: &str, offset: usize, at: &dyn Fn(usize, usize) -> Span)
         before: junk[..offset].trim_end(),
         rest: &junk[offset..],
         word: token(&junk[offset..]),
+        at,
     };
-    let found = seen.brackets(at).or_else(|| seen.numbers()).or_else(|| seen.equals(at)).or_else(|| seen.words());
+    let found = seen
+        .operators()
+        .or_else(|| seen.brackets(at))
+        .or_else(|| seen.numbers())
+        .or_else(|| seen.equals(at))
+        .or_else(|| seen.words());
     found.map(|found| match found {
         Found::Whole(finding) => *finding,
         Found::Here { length, message, label, help } => {
@@ -80,9 +86,44 @@ struct Seen<'t> {
     before: &'t str,
     rest: &'t str,
     word: &'t str,
+    at: &'t dyn Fn(usize, usize) -> Span,
 }
 
 impl Seen<'_> {
+    /// Operators of other languages.
+    fn operators(&self) -> Option<Found> {
+        let Self { first, before, rest, junk, .. } = *self;
+        if rest.starts_with('?') {
+            return here(1, "there is no `? :`", "write `if c then a else b`");
+        }
+        if rest.starts_with("**") || rest.starts_with('*') && before.ends_with('*') {
+            return here(1, "there is no `**`", "write `pow(a, b)`");
+        }
+        let piped = |text: &str| text.trim_end().ends_with("|>");
+        if rest.starts_with("with") && piped(before) || before.strip_suffix("with").is_some_and(piped) {
+            return here(4, "`with` needs no `|>`", "remove the `|>` before `with`");
+        }
+        if rest.starts_with('(')
+            && let Some((_, method)) = before.rsplit_once('.')
+            && !method.is_empty()
+            && method.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+            && before.contains(')')
+        {
+            return here(1, "there are no methods", format!("write `... |> {method}(...)`"));
+        }
+        if first == "allow" && !junk.contains('"') {
+            let id = junk.split_whitespace().nth(1).unwrap_or("finding");
+            let finding = Finding::error(
+                "missing-reason",
+                (self.at)(0, junk.trim_end().len()),
+                format!("`allow {id}` gives no reason"),
+            )
+            .help(format!("say why the finding is right and yet wanted: `allow {id} \"...\"`"));
+            return Some(Found::Whole(Box::new(finding)));
+        }
+        None
+    }
+
     fn brackets(&self, at: &dyn Fn(usize, usize) -> Span) -> Option<Found> {
         let Self { junk, offset, first, before, rest, .. } = *self;
         let open = innermost(before).map(|place| (place, &junk[place..=place]));

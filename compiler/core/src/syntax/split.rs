@@ -45,6 +45,11 @@ pub(super) fn split(text: &str) -> Split {
                 }
                 at += line_length(&bytes[at..]);
             }
+            // There are none, which is said where it stands; what follows is a statement all the same.
+            b'/' if bytes.get(at + 1) == Some(&b'*') => {
+                let rest = &text[at + 2..];
+                at = rest.find("*/").map_or(bytes.len(), |found| at + 2 + found + 2);
+            }
             b'"' => {
                 at = end_of_string(bytes, at);
                 (before, doc) = (Before::Complete, None);
@@ -145,6 +150,12 @@ mod tests {
     fn words_in_brackets_and_strings_start_nothing() {
         assert_eq!(pieces("let f(m: material) = \"let x\" let y = [for i in a: i]").len(), 2);
         assert_eq!(pieces("group g { shape a = b with c } if x { let y = 1 } else { let z = 2 }").len(), 2);
+    }
+
+    #[test]
+    fn a_block_comment_hides_no_statement() {
+        assert_eq!(pieces("let a = 1\n/* hi, let */ material b = c"), ["let a = 1\n/* hi, let */", "material b = c"]);
+        assert_eq!(pieces("let a = 1 /* let b = 2"), ["let a = 1 /* let b = 2"]);
     }
 
     #[test]

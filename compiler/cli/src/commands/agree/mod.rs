@@ -63,7 +63,7 @@ pub fn run(command: &Agree) -> Result<Exit, Failure> {
         page::check(record, command.force)?;
     }
     let (mut rows, mut exit, mut scenes) = (Vec::new(), Exit::Done, 0);
-    for (project, files) in all_files_of(&command.scenes)? {
+    for (project, files) in all_files_of(&command.scenes, &command.findings())? {
         for file in &files {
             match scene_of(command, &project, file)? {
                 Ok(Some(scene)) => {

@@ -19,7 +19,7 @@ use crate::terminal;
 use super::shared::{CheckedFile, all_files_of, check, report};
 
 pub fn run(command: &Doc) -> Result<Exit, Failure> {
-    let groups = all_files_of(&command.paths)?;
+    let groups = all_files_of(&command.paths, &command.findings())?;
     let Some((first, _)) = groups.first() else { return Ok(Exit::Done) };
     let output = command.output.clone().unwrap_or_else(|| first.root.join("docs/scenes"));
     let mut all: Vec<CheckedFile> = Vec::new();

@@ -24,6 +24,9 @@ use lanes::Kind;
 /// How deep functions are written into each other; deeper ones are interpreted.
 const INLINE_DEPTH: usize = 16;
 
+/// Nodes that take as long as one part of an expression that is interpreted.
+const NODES_PER_UNIT: u64 = 4;
+
 /// The most nodes of a program, because functions are written out at each of their calls.
 const MOST_NODES: usize = 10_000;
 
@@ -41,6 +44,8 @@ pub(super) struct Program {
     slots: usize,
     body: Node,
     unit: Unit,
+    /// What a run costs at most, in units of work of the interpreter.
+    units: u64,
 }
 
 #[derive(Debug)]
@@ -112,7 +117,13 @@ impl Program {
             scope.slots.push((name, writer.slot(), Unit::Number));
         }
         let (body, unit) = writer.expr(&scope, body)?;
-        Some(Self { slots: writer.slots, body, unit })
+        let units = 1 + body.nodes() / NODES_PER_UNIT;
+        Some(Self { slots: writer.slots, body, unit, units })
+    }
+
+    /// What a run costs at most, in units of work of the interpreter.
+    pub(super) fn units(&self) -> u64 {
+        self.units
     }
 
     /// The result for the parameters' values. Adds the steps that the interpreter would count.
@@ -131,6 +142,22 @@ impl Program {
 }
 
 impl Node {
+    /// How many nodes a run visits at most.
+    fn nodes(&self) -> u64 {
+        let inner = match self {
+            Self::Constant(_) | Self::Slot(_) => 0,
+            Self::Negative(of) | Self::One(_, _, of) => of.nodes(),
+            Self::Arithmetic(_, both) | Self::Two(_, both) => both.0.nodes().saturating_add(both.1.nodes()),
+            Self::If(parts) => parts.0.nodes().saturating_add(parts.1.nodes().max(parts.2.nodes())),
+            Self::Bind(_, args, body) => args.iter().fold(body.nodes(), |sum, arg| sum.saturating_add(arg.nodes())),
+            Self::Sum(_, rows, body) => {
+                let count = rows.numbers.len() / rows.width.max(1);
+                body.nodes().saturating_add(1).saturating_mul(count as u64)
+            }
+        };
+        inner.saturating_add(1)
+    }
+
     fn run(&self, slots: &mut [f64], steps: &mut u64) -> Option<f64> {
         let result = match self {
             Self::Constant(number) => return Some(*number),
@@ -175,6 +202,15 @@ impl Node {
 }
 
 impl Test {
+    fn nodes(&self) -> u64 {
+        let inner = match self {
+            Self::Order(_, both) => both.0.nodes().saturating_add(both.1.nodes()),
+            Self::Logic(_, both) => both.0.nodes().saturating_add(both.1.nodes()),
+            Self::Not(of) => of.nodes(),
+        };
+        inner.saturating_add(1)
+    }
+
     fn run(&self, slots: &mut [f64], steps: &mut u64) -> Option<bool> {
         match self {
             Self::Order(operator, both) => {
@@ -523,7 +559,7 @@ shape s = height_field({name}, x: -2..1.5, y: -3..2, vertices: (15, 11)) with di
         use super::Program;
         use crate::eval::value::Value;
         let mut steps = 0;
-        let node = |node| Program { slots: 1, body: node, unit: super::Unit::Number };
+        let node = |node| Program { slots: 1, body: node, unit: super::Unit::Number, units: 1 };
         let twice = super::Node::Arithmetic(
             crate::syntax::Binary::Multiply,
             Box::new((super::Node::Slot(0), super::Node::Constant(2.0))),

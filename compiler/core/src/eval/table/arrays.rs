@@ -68,6 +68,7 @@ fn scatter(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     if *own == Affine::IDENTITY {
         return Ok(Value::Group(GroupValue { body: Rc::clone(body), places: Places::Many(maps) }));
     }
+    site.hold(size_of_val(&*maps))?;
     let moved: Arc<[Affine]> = maps.iter().map(|map| own.then(map)).collect();
     if let Some(row) = moved.iter().position(|map| !map.is_invertible()) {
         return Err(Problem::new("path", format!("row {row} takes the moved group out of the range of numbers")));
@@ -133,18 +134,26 @@ fn table(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     let numbers = array.numbers().map_err(|error| problem(&path, error))?;
     let truth = array.is_bool();
     let value = |number: &f64| if truth { Value::Bool(*number != 0.0) } else { Value::Number(*number) };
-    Ok(nested(array.shape(), &numbers, &value))
+    nested(array.shape(), &numbers, &value, site)
 }
 
 /// Lists within lists, one level for each axis.
-fn nested(shape: &[usize], numbers: &[f64], value: &dyn Fn(&f64) -> Value) -> Value {
+fn nested(
+    shape: &[usize],
+    numbers: &[f64],
+    value: &dyn Fn(&f64) -> Value,
+    site: &mut Site<'_>,
+) -> Result<Value, Problem> {
     match shape {
-        [] => numbers.first().map_or(Value::Number(0.0), value),
-        [_] => Value::List(numbers.iter().map(value).collect()),
+        [] => Ok(numbers.first().map_or(Value::Number(0.0), value)),
+        [_] => site.list(numbers.iter().map(value)),
         [count, inner @ ..] => {
             let size: usize = inner.iter().product();
-            let part = |at: usize| nested(inner, &numbers[at * size..(at + 1) * size], value);
-            Value::List((0..*count).map(part).collect())
+            let mut parts = Vec::with_capacity(*count);
+            for at in 0..*count {
+                parts.push(nested(inner, &numbers[at * size..(at + 1) * size], value, site)?);
+            }
+            site.list(parts.into_iter())
         }
     }
 }

@@ -110,8 +110,8 @@ pub(super) const ROWS: &[Constructor] = &[
     row("len", LIST, "How many elements a list has.", "let a = len([1, 2, 3])", |args, _| {
         number(args.list("list").unwrap_or_default().len() as f64)
     }),
-    row("reverse", LIST, "A list from its end to its start.", "let a = reverse([1, 2, 3])", |args, _| {
-        Ok(Value::List(args.list("list").unwrap_or_default().iter().rev().cloned().collect()))
+    row("reverse", LIST, "A list from its end to its start.", "let a = reverse([1, 2, 3])", |args, site| {
+        site.list(args.list("list").unwrap_or_default().iter().rev().cloned())
     }),
     row(
         "concat",
@@ -131,7 +131,7 @@ pub(super) const ROWS: &[Constructor] = &[
                     .note(format!("at most {} are allowed", site.limits.list))
                     .help(Limit::help("list")));
             }
-            Ok(Value::List(a.iter().chain(b).cloned().collect()))
+            site.list(a.iter().chain(b).cloned())
         },
     ),
     row("dot", VECTORS, "The scalar product.", "let a = dot(X, (1, 2, 3))", |args, _| {

@@ -221,12 +221,13 @@ pub(super) const ROWS: &[Constructor] = &[
         }],
         positional: 1,
         example: "let moss = spectrum([(400, 0.05), (550, 0.3), (700, 0.1)])",
-        build: |args, _| spectrum(args),
+        build: spectrum,
     },
 ];
 
 /// Values at wavelengths: finite, in order, the first at least a nanometre above 0.
-fn spectrum(args: &Args) -> Result<Value, Problem> {
+fn spectrum(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
+    site.hold(size_of::<[f64; 2]>() * args.list("values").map_or(0, <[Value]>::len))?;
     let points: Vec<(f64, f64)> = points::<2>(args, "values")
         .unwrap_or_default()
         .into_iter()

@@ -269,6 +269,12 @@ pub(super) trait Host {
     /// reported with the call at `span`.
     fn apply(&mut self, function: &Rc<Function>, values: Vec<Value>, span: Span) -> Result<Value, Reported>;
 
+    /// A list of these elements, if the scene may have it.
+    fn list(&mut self, items: Vec<Value>, span: Span) -> Result<Value, Reported>;
+
+    /// Counts bytes that are made, or copied, and may be kept.
+    fn hold(&mut self, bytes: u64, span: Span) -> Result<(), Reported>;
+
     /// The numbers that a user's function of two numbers has at up to [`super::numeric::LANES`] places; none, and nothing is done or reported,
     /// where [`Host::apply`] is to be asked one by one.
     fn apply_many(&mut self, function: &Rc<Function>, places: &[[f64; 2]]) -> Option<Vec<f64>>;
@@ -293,6 +299,16 @@ pub(super) struct Site<'s> {
 }
 
 impl Site<'_> {
+    /// A list of these elements, if the scene may have it.
+    pub(super) fn list(&mut self, items: impl Iterator<Item = Value>) -> Result<Value, Problem> {
+        self.host.list(items.collect(), self.span).map_err(|Reported| Problem::reported())
+    }
+
+    /// Counts bytes that are about to be made, or copied, and may be kept.
+    pub(super) fn hold(&mut self, bytes: usize) -> Result<(), Problem> {
+        self.host.hold(bytes as u64, self.span).map_err(|Reported| Problem::reported())
+    }
+
     /// Refuses to make `count` triangles where the scene would have too many; `at` is the argument that asks for them.
     pub(super) fn afford(&self, at: &'static str, count: u128) -> Result<(), Problem> {
         if count <= u128::from(self.triangles) {

@@ -29,10 +29,10 @@ pub(super) const ROWS: &[Constructor] = &[
         ],
         positional: 3,
         example: "mesh small = box(size: 30) |> translate(17, -10, 15)",
-        build: |args, _| {
+        build: |args, site| {
             let by = args.vec3("by").unwrap_or_default();
             let part = |name, axis: usize| args.number(name).unwrap_or(0.0) + by[axis];
-            moved(args, &Affine::translation([part("x", 0), part("y", 1), part("z", 2)]))
+            moved(args, site, &Affine::translation([part("x", 0), part("y", 1), part("z", 2)]))
         },
     },
     Constructor {
@@ -70,7 +70,7 @@ pub(super) const ROWS: &[Constructor] = &[
         ],
         positional: 1,
         example: "mesh large = sphere() |> scale(9)",
-        build: |args, _| {
+        build: |args, site| {
             let factor = args.number("factor").unwrap_or(1.0);
             let by = ["x", "y", "z"].map(|name| args.number(name).unwrap_or(1.0) * factor);
             for (name, part) in ["x", "y", "z"].into_iter().zip(by) {
@@ -79,7 +79,7 @@ pub(super) const ROWS: &[Constructor] = &[
                     return Err(Problem::new(at, "a scale of 0 flattens the mesh"));
                 }
             }
-            moved(args, &Affine::scaling(by))
+            moved(args, site, &Affine::scaling(by))
         },
     },
     Constructor {
@@ -113,11 +113,11 @@ pub(super) const ROWS: &[Constructor] = &[
         ],
         positional: 3,
         example: "mesh sheared = box(size: 1) |> matrix((1, 0.5, 0, 0), (0, 1, 0, 0), (0, 0, 1, 0))",
-        build: |args, _| {
+        build: |args, site| {
             let row = |name| args.vector(name).and_then(|parts| <[f64; 4]>::try_from(parts).ok()).unwrap_or_default();
             let map = Affine { rows: [row("row_x"), row("row_y"), row("row_z")] };
             if map.is_invertible() {
-                return moved(args, &map);
+                return moved(args, site, &map);
             }
             Err(Problem::new(None, "the matrix cannot be inverted: it flattens the mesh"))
         },
@@ -162,7 +162,7 @@ fn of(args: &Args) -> Result<&MeshValue, Problem> {
 }
 
 /// The mesh or group behind one more move; vertices stay shared.
-fn moved(args: &Args, map: &Affine) -> Result<Value, Problem> {
+fn moved(args: &Args, site: &mut Site<'_>, map: &Affine) -> Result<Value, Problem> {
     let further = |before: &Affine| {
         let transform = before.then(map);
         if transform.rows.iter().flatten().all(|entry| entry.is_finite()) {
@@ -174,7 +174,10 @@ fn moved(args: &Args, map: &Affine) -> Result<Value, Problem> {
         Some(Value::Group(GroupValue { body, places })) => {
             let places = match places {
                 Places::One(map) => Places::One(further(map)?),
-                Places::Many(maps) => Places::Many(maps.iter().map(further).collect::<Result<_, _>>()?),
+                Places::Many(maps) => {
+                    site.hold(size_of_val(&**maps))?;
+                    Places::Many(maps.iter().map(further).collect::<Result<_, _>>()?)
+                }
             };
             Ok(Value::Group(GroupValue { body: Rc::clone(body), places }))
         }
@@ -205,7 +208,7 @@ fn changed(
     Ok(Value::Mesh(MeshValue { mesh, transform, span: site.span }))
 }
 
-fn rotate(args: &Args, _: &mut Site<'_>) -> Result<Value, Problem> {
+fn rotate(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     let turns: Vec<(&'static str, [f64; 3])> = [("x", [1.0, 0.0, 0.0]), ("y", [0.0, 1.0, 0.0]), ("z", [0.0, 0.0, 1.0])]
         .into_iter()
         .filter(|(name, _)| args.get(name).is_some())
@@ -234,7 +237,7 @@ fn rotate(args: &Args, _: &mut Site<'_>) -> Result<Value, Problem> {
     if let Some(Value::Light(kind)) = args.get("of") {
         return turned(kind, &turn, args.get("about").is_some_and(|_| about != [0.0; 3]));
     }
-    moved(args, &Affine::translation(back).then(&turn).then(&Affine::translation(about)))
+    moved(args, site, &Affine::translation(back).then(&turn).then(&Affine::translation(about)))
 }
 
 /// An environment behind one more turn. It is infinitely far away, so that there is no place to turn it about.
@@ -251,7 +254,7 @@ fn turned(kind: &LightKind, by: &Affine, about: bool) -> Result<Value, Problem> 
     Ok(Value::Light(Rc::new(kind)))
 }
 
-fn frame(args: &Args, _: &mut Site<'_>) -> Result<Value, Problem> {
+fn frame(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     let z = args.vec3("z").and_then(normalized).ok_or_else(|| Problem::new("z", "the zero vector has no direction"))?;
     let wanted = args.vec3("x").unwrap_or_default();
     let parallel = || Problem::new("x", "`x` is parallel to `z`, or zero");
@@ -260,5 +263,5 @@ fn frame(args: &Args, _: &mut Site<'_>) -> Result<Value, Problem> {
     let x = cross(y, z);
     let origin = args.vec3("origin").unwrap_or_default();
     let rows = [0, 1, 2].map(|at| [x[at], y[at], z[at], origin[at]]);
-    moved(args, &Affine { rows })
+    moved(args, site, &Affine { rows })
 }
