@@ -28,6 +28,8 @@ pub(crate) fn is_used() -> bool {
 pub(crate) fn over(command: Command) -> Command {
     let Some(executable) = EXECUTABLE.get().filter(|_| cfg!(unix)) else { return command };
     let mut outer = Command::new(executable);
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::arg0(&mut outer, "ltsc");
     outer.arg(MARK);
     let folders = crate::guard::folders();
     outer.arg(folders.len().to_string()).args(folders);

@@ -43,7 +43,9 @@ fn main() -> ExitCode {
         }
     };
     signals::end_cleanly();
-    if let Ok(executable) = std::env::current_exe() {
+    // The executable may be replaced while this runs.
+    let own = std::path::PathBuf::from("/proc/self/exe");
+    if let Some(executable) = if own.exists() { Some(own) } else { std::env::current_exe().ok() } {
         supervisor::is(executable);
     }
     std::panic::set_hook(Box::new(|panic| {

@@ -71,6 +71,9 @@ pub fn render_all(command: &Doc, scenes: &Scenes<'_>, folder: &Path) -> Result<(
     if drivers.is_empty() {
         return Ok(());
     }
+    for name in scenes.keys() {
+        Pages::new(folder, BY).refuse(&format!("pictures/{name}.json"), command.force)?;
+    }
     for (name, (scene, project, path)) in scenes {
         let (pictures, files) = one(command, scene, project, path, &drivers, folder)?;
         if pictures.shown.is_empty() {
