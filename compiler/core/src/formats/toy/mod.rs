@@ -30,16 +30,16 @@ pub const TOY: Target = Target {
     import: None,
 };
 
-const COLOUR: Support = Support::approximate("a surface is one colour", "what it reflects at normal incidence");
+const COLOUR: Support = Support::approximate("a surface is one color", "what it reflects at normal incidence");
 
 fn supports(feature: Feature) -> Support {
     match feature {
         Feature::Diffuse
-        | Feature::ColouredDiffuse
+        | Feature::ColoredDiffuse
         | Feature::SmoothDiffuse
         | Feature::BlackEmitter
         | Feature::ScatteringEmitter
-        | Feature::ColouredEmitter
+        | Feature::ColoredEmitter
         | Feature::VertexNormals
         | Feature::NoNormals
         | Feature::TextureCoordinates
@@ -52,7 +52,7 @@ fn supports(feature: Feature) -> Support {
         | Feature::RoughConductor
         | Feature::SharpConductor
         | Feature::WideConductor
-        | Feature::ColouredConductor
+        | Feature::ColoredConductor
         | Feature::SmoothDielectric
         | Feature::RoughDielectric
         | Feature::ThinnerInside
@@ -73,7 +73,7 @@ fn supports(feature: Feature) -> Support {
         | Feature::SoftSpotLight
         | Feature::DirectionalLight
         | Feature::Texture
-        | Feature::ColouredTexture
+        | Feature::ColoredTexture
         | Feature::SrgbTexture
         | Feature::LinearTexture
         | Feature::DeepTexture
@@ -115,7 +115,7 @@ fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
         writeln!(out, "{} {samples}", scene.integrator.word())?;
         for material in scene.materials.values() {
             let Material { name, bsdf } = material;
-            writeln!(out, "colour {} [{}]", Line(name), Row(&colour(bsdf).rgb(), " "))?;
+            writeln!(out, "color {} [{}]", Line(name), Row(&color(bsdf).rgb(), " "))?;
         }
         let files = mesh_files(scene);
         let shape = |shape: &Shape, out: &mut dyn Write| {
@@ -157,7 +157,7 @@ fn filter_word(filter: &Filter) -> &'static str {
     }
 }
 
-fn colour(bsdf: &Bsdf) -> Color {
+fn color(bsdf: &Bsdf) -> Color {
     match bsdf {
         Bsdf::Diffuse { reflectance }
         | Bsdf::Plastic { reflectance, ior: _, alpha: _ }
