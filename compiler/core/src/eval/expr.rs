@@ -306,10 +306,10 @@ impl Interpreter<'_> {
         if let (false, Ok(Value::Mesh(made))) = (file, &built) {
             self.count_triangles(made, &args, call.span)?;
         }
-        built.or_else(|problem| {
+        built.map_err(|problem| {
             let problem = *problem.0;
             if problem.id == table::REPORTED {
-                return Err(Reported);
+                return Reported;
             }
             let spans = self.argument_spans(call, row);
             for table::Detail { at, message, label, note, help, id } in std::iter::once(problem).chain(others) {
@@ -320,7 +320,7 @@ impl Interpreter<'_> {
                 finding.label = label;
                 self.findings.push(finding);
             }
-            Err(Reported)
+            Reported
         })
     }
 
