@@ -185,8 +185,8 @@ fn texts_that_did_not_end_do() {
         format!("let a0 = [1]\n{}", long(3000, &|at| format!("let a{at} = [a{}]\n", at - 1))),
         format!("let a0 = (1, \"\")\n{}", long(3000, &|at| format!("let a{at} = (a{}, 1)\n", at - 1))),
         format!(
-            "let f0(x: number) = x\n{}",
-            long(3000, &|at| format!("let f{at}(x: number) = if x > 0 then 0 else f{}(x)\n", at - 1))
+            "let k0(x: number) = x\n{}",
+            long(3000, &|at| format!("let k{at}(x: number) = if x > 0 then 0 else k{}(x)\n", at - 1))
         ),
     ];
     for text in texts {
