@@ -100,7 +100,7 @@ fn an_edit_of_a_generated_file_is_named_and_the_answer_is_no() {
             "transformation = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 30 1",
             "transformation = 1 0 0 0 0 1 0 0 0 0 1 0 0 0 31 1",
             1,
-            "the centre",
+            "the center",
         ),
         (
             "surfaces",

@@ -443,7 +443,7 @@ fn suppressions_and_levels_decide() {
     assert_eq!(lint(&path, &["--no-allow"]).code, Some(1));
 }
 
-/// Writes a small image of one colour in each half.
+/// Writes a small image of one color in each half.
 fn image(path: &Path, left: [f32; 3], right: [f32; 3]) {
     let pixels = (0..64).map(|at| if at % 8 < 4 { left } else { right }).collect();
     let image = ltsc_render::image::Image { width: 8, height: 8, pixels };
@@ -566,7 +566,7 @@ fn thousands_of_errors_take_no_minutes() {
     let start = std::time::Instant::now();
     let ran = run(ltsc().arg("lint").arg(&path).args(["--format", "short"]));
     assert_eq!((ran.code, ran.out.lines().count()), (Some(3), 5000));
-    // It takes a second or two without optimisation; the quadratic way took minutes.
+    // It takes a second or two without optimization; the quadratic way took minutes.
     assert!(start.elapsed().as_secs() < 60, "{:?}", start.elapsed());
 }
 

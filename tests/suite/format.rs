@@ -116,7 +116,7 @@ fn files_are_replaced_only_where_they_change() {
     assert_eq!(ran.code, Some(1), "{}", ran.err);
     assert!(ran.err.contains("bad.lts would be formatted") && !ran.err.contains("good.lts"), "{}", ran.err);
     let ran = run(ltsc().args(["fmt", "--diff"]).arg(path("bad.lts")));
-    assert_eq!((ran.code, ran.out.contains("-let a=1 // one\n+let a = 1 // one\n")), (Some(0), true), "{}", ran.out);
+    assert_eq!((ran.code, ran.out.contains("-let a=1 // one\n+let a = 1 // one\n")), (Some(1), true), "{}", ran.out);
     assert_eq!(fs::read_to_string(path("bad.lts")).expect("text"), "lts 1\nlet a=1 // one\n");
 
     // A broken file does not keep the others from being formatted.

@@ -17,7 +17,7 @@ const CHAPTERS: &[(&str, &str, &str)] = &[
     (
         "types/hints.lts",
         "Words of other renderers, types and units",
-        "What is called otherwise elsewhere is recognised, and a value of the wrong type is told apart from the right one.",
+        "What is called otherwise elsewhere is recognized, and a value of the wrong type is told apart from the right one.",
     ),
     ("syntax/other_languages.lts", "Slips of the pen", "All errors of a file come in one run, each at its own place."),
 ];

@@ -54,7 +54,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The binary under test, without colours, with a fixed width and no settings of the user's.
+/// The binary under test, without colors, with a fixed width and no settings of the user's.
 fn ltsc() -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_ltsc"));
     command.env("NO_COLOR", "1").env("COLUMNS", "100").env("LC_ALL", "C.UTF-8");

@@ -176,7 +176,7 @@ fn mean(image: &Image) -> [f64; 3] {
 
 /// The radiance of a diffuse surface is reflectance E / pi: under a point E = I cos / r^2, under directional light
 /// E = irradiance cos, under the environment E = pi L. Two of them never add up to a third by chance: each has its own
-/// colour, and the cosine is 0.8.
+/// color, and the cosine is 0.8.
 #[test]
 fn lights_give_the_radiance_of_the_formula() {
     use std::f64::consts::PI;
@@ -420,14 +420,14 @@ fn rendered(scene: &Path, renderer: &str, threads: &str) -> Image {
     read(&out).expect("an image").0
 }
 
-/// A quarter of an image of four colours that lie the right way up, read as sRGB and as they are, from a PNG and from floats.
+/// A quarter of an image of four colors that lie the right way up, read as sRGB and as they are, from a PNG and from floats.
 #[test]
 fn textures_lie_the_right_way_up_and_are_decoded() {
     // The codes of `quads.png`, by rows from the top; `quads.pfm` holds the same divided by 255.
     let quads = [[200, 60, 30], [128, 128, 128], [30, 90, 220], [255, 255, 255]];
     // IEC 61966-2-1.
     let decode = |x: f64| if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) };
-    // A pixel in the middle of each quarter: four pixels of the image away from its neighbours.
+    // A pixel in the middle of each quarter: four pixels of the image away from its neighbors.
     let places = [(1, 1), (6, 1), (1, 6), (6, 6)];
     for renderer in ["mitsuba-3", "luxcore", "cycles", "pbrt-r3"] {
         if !there(renderer) {
@@ -460,9 +460,9 @@ fn textures_lie_the_right_way_up_and_are_decoded() {
     }
 }
 
-/// A spectrum as a reflectance and as light has the colours that a table of 1 nm gives (colour-science 0.4.7, CIE 1931, D65).
+/// A spectrum as a reflectance and as light has the colors that a table of 1 nm gives (color-science 0.4.7, CIE 1931, D65).
 #[test]
-fn spectra_have_the_colours_of_the_standard_observer() {
+fn spectra_have_the_colors_of_the_standard_observer() {
     let moss = "spectrum([(400, 0.08), (480, 0.12), (550, 0.38), (620, 0.22), (700, 0.3)])";
     let warm =
         "spectrum([(400, 0.175), (450, 0.368), (500, 0.631), (560, 1), (600, 1.254), (650, 1.554), (700, 1.818)])";
@@ -539,7 +539,7 @@ fn plastic_and_principled_have_the_albedo_that_was_measured() {
     }
 }
 
-/// An image of the environment with a colour of its own to each side: +y is its middle, +x lies to the right of that.
+/// An image of the environment with a color of its own to each side: +y is its middle, +x lies to the right of that.
 #[test]
 fn an_image_of_the_environment_is_the_right_way_round() {
     const SIZE: (usize, usize) = (256, 128);
@@ -549,7 +549,7 @@ fn an_image_of_the_environment_is_the_right_way_round() {
     // The rows of a PFM begin at the bottom.
     for y in 0..SIZE.1 {
         for x in 0..SIZE.0 {
-            // Sides are centred on 0, 1/4, 1/2 and 3/4 of the width: -y, -x, +y, +x.
+            // Sides are centered on 0, 1/4, 1/2 and 3/4 of the width: -y, -x, +y, +x.
             let side = sides[(x + SIZE.0 / 8) * 4 / SIZE.0 % 4];
             let color = if y < 24 {
                 bottom

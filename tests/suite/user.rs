@@ -46,7 +46,7 @@ fn a_new_project_lints_and_builds() {
         // Also where nothing is to be done, it says where to look.
         let built = at(&suite, &["build"]);
         assert_eq!(built.code, Some(0), "{}", built.err);
-        assert!(built.out.contains("generated/first/mitsuba-3/scene.xml"), "{}", built.out);
+        assert!(built.err.contains("generated/first/mitsuba-3/scene.xml"), "{}", built.err);
     }
     let before = fs::read_to_string(suite.join("ltsc.toml")).expect("a project");
     let again = at(&suite, &["init"]);

@@ -22,7 +22,7 @@ Exit codes:
 pub struct Arguments {
     #[command(subcommand)]
     pub command: Command,
-    /// Colours: by default on a terminal, unless NO_COLOR is set.
+    /// Colors: by default on a terminal, unless NO_COLOR is set.
     #[arg(long, global = true, value_enum, default_value_t = Choice::Auto, value_name = "WHEN")]
     pub color: Choice,
 }

@@ -1,4 +1,4 @@
-//! The terminal: colours, excerpts through miette, progress bars.
+//! The terminal: colors, excerpts through miette, progress bars.
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
@@ -29,7 +29,7 @@ pub fn choose(choice: Choice) {
     CHOICE.store(code, Ordering::Relaxed);
 }
 
-/// Whether to colour one of the two outputs.
+/// Whether to color one of the two outputs.
 pub fn colored(to_stdout: bool) -> bool {
     match CHOICE.load(Ordering::Relaxed) {
         1 => true,

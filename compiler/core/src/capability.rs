@@ -28,7 +28,7 @@ pub enum Feature {
     /// A diffuse material.
     Diffuse,
     /// A diffuse material that is not grey.
-    ColouredDiffuse,
+    ColoredDiffuse,
     /// A diffuse surface whose vertex normals lean more than 5 degrees from the normals of its faces.
     SmoothDiffuse,
     /// A conductor with alpha 0.
@@ -40,7 +40,7 @@ pub enum Feature {
     /// A conductor with alpha above [`WIDE_ALPHA`].
     WideConductor,
     /// A conductor whose `eta` or `k` is not grey.
-    ColouredConductor,
+    ColoredConductor,
     /// A dielectric with alpha 0.
     SmoothDielectric,
     /// A dielectric with alpha above 0.
@@ -64,7 +64,7 @@ pub enum Feature {
     /// An emitter on a surface that also scatters light.
     ScatteringEmitter,
     /// An emitter whose radiance is not grey, or another light that is not.
-    ColouredEmitter,
+    ColoredEmitter,
     /// A constant environment.
     Environment,
     /// An environment by an image.
@@ -85,8 +85,8 @@ pub enum Feature {
     Spectrum,
     /// A texture.
     Texture,
-    /// A texture whose image has colours.
-    ColouredTexture,
+    /// A texture whose image has colors.
+    ColoredTexture,
     /// A PNG or JPEG file whose numbers are decoded by the sRGB curve.
     SrgbTexture,
     /// A PNG file whose numbers are linear.
@@ -161,13 +161,13 @@ impl Feature {
     /// All features, in the order in which they are shown.
     pub const ALL: &[Self] = &[
         Self::Diffuse,
-        Self::ColouredDiffuse,
+        Self::ColoredDiffuse,
         Self::SmoothDiffuse,
         Self::SmoothConductor,
         Self::RoughConductor,
         Self::SharpConductor,
         Self::WideConductor,
-        Self::ColouredConductor,
+        Self::ColoredConductor,
         Self::SmoothDielectric,
         Self::RoughDielectric,
         Self::ThinnerInside,
@@ -179,7 +179,7 @@ impl Feature {
         Self::TexturedPrincipled,
         Self::BlackEmitter,
         Self::ScatteringEmitter,
-        Self::ColouredEmitter,
+        Self::ColoredEmitter,
         Self::Environment,
         Self::EnvironmentImage,
         Self::TurnedEnvironment,
@@ -190,7 +190,7 @@ impl Feature {
         Self::DirectionalLight,
         Self::Spectrum,
         Self::Texture,
-        Self::ColouredTexture,
+        Self::ColoredTexture,
         Self::SrgbTexture,
         Self::LinearTexture,
         Self::DeepTexture,
@@ -231,13 +231,13 @@ impl Feature {
     pub fn name(self) -> &'static str {
         match self {
             Self::Diffuse => "a diffuse material",
-            Self::ColouredDiffuse => "a coloured diffuse material",
+            Self::ColoredDiffuse => "a colored diffuse material",
             Self::SmoothDiffuse => "a diffuse surface with smooth normals",
             Self::SmoothConductor => "a smooth conductor",
             Self::RoughConductor => "a rough conductor",
             Self::SharpConductor => "a conductor with `alpha` below 0.01",
             Self::WideConductor => "a conductor with `alpha` above 0.3",
-            Self::ColouredConductor => "a coloured conductor",
+            Self::ColoredConductor => "a colored conductor",
             Self::SmoothDielectric => "a smooth dielectric",
             Self::RoughDielectric => "a rough dielectric",
             Self::ThinnerInside => "a dielectric optically thinner inside than outside",
@@ -249,7 +249,7 @@ impl Feature {
             Self::TexturedPrincipled => "a principled material with a texture",
             Self::BlackEmitter => "an emitter on a black surface",
             Self::ScatteringEmitter => "an emitter on a surface that scatters light",
-            Self::ColouredEmitter => "a coloured emitter",
+            Self::ColoredEmitter => "a colored emitter",
             Self::Environment => "a constant environment",
             Self::EnvironmentImage => "an image of the environment",
             Self::TurnedEnvironment => "a turned image of the environment",
@@ -260,7 +260,7 @@ impl Feature {
             Self::DirectionalLight => "a directional light",
             Self::Spectrum => "a spectrum",
             Self::Texture => "a texture",
-            Self::ColouredTexture => "a coloured texture",
+            Self::ColoredTexture => "a colored texture",
             Self::SrgbTexture => "a texture decoded by the sRGB curve",
             Self::LinearTexture => "a texture of linear numbers in PNG",
             Self::DeepTexture => "a texture of 16 bits in PNG",
@@ -386,7 +386,7 @@ pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
             let black = scatters == Some(false);
             let kind = if black { Feature::BlackEmitter } else { Feature::ScatteringEmitter };
             asked.add(kind, place);
-            asked.color(radiance, Feature::ColouredEmitter, place);
+            asked.color(radiance, Feature::ColoredEmitter, place);
         }
     }
     for (place, light) in lights.entries() {
@@ -406,7 +406,7 @@ pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
             LightKind::Directional { direction: _, irradiance: _ } => Feature::DirectionalLight,
         };
         asked.add(feature, place);
-        asked.color(kind.color(), Feature::ColouredEmitter, place);
+        asked.color(kind.color(), Feature::ColoredEmitter, place);
     }
     for (place, _) in instances.entries().take(1) {
         asked.add(Feature::Instances, place);
@@ -443,11 +443,11 @@ impl Asked {
         }
     }
 
-    /// A color: a spectrum, or `coloured` where it is not grey.
-    fn color(&mut self, color: &Color, coloured: Feature, place: &Origin) {
+    /// A color: a spectrum, or `colored` where it is not grey.
+    fn color(&mut self, color: &Color, colored: Feature, place: &Origin) {
         match color {
             Color::Grey(_) => {}
-            Color::Rgb(_) => self.add_if(!color.is_grey(), coloured, place),
+            Color::Rgb(_) => self.add_if(!color.is_grey(), colored, place),
             Color::Spectrum(_) => self.add(Feature::Spectrum, place),
         }
     }
@@ -462,7 +462,7 @@ fn ask_bsdf(asked: &mut Asked, bsdf: &Bsdf, place: &Origin) {
         Bsdf::Diffuse { reflectance } => {
             asked.add(Feature::Diffuse, place);
             match reflectance {
-                ColorOrTexture::Color(color) => asked.color(color, Feature::ColouredDiffuse, place),
+                ColorOrTexture::Color(color) => asked.color(color, Feature::ColoredDiffuse, place),
                 // What the texture asks for stands with it.
                 ColorOrTexture::Texture(_) => {}
             }
@@ -473,8 +473,8 @@ fn ask_bsdf(asked: &mut Asked, bsdf: &Bsdf, place: &Origin) {
             asked.add(kind, place);
             asked.add_if(!smooth && *alpha < SHARP_ALPHA, Feature::SharpConductor, place);
             asked.add_if(*alpha > WIDE_ALPHA, Feature::WideConductor, place);
-            asked.color(eta, Feature::ColouredConductor, place);
-            asked.color(k, Feature::ColouredConductor, place);
+            asked.color(eta, Feature::ColoredConductor, place);
+            asked.color(k, Feature::ColoredConductor, place);
         }
         Bsdf::Dielectric { interior, exterior, alpha } => {
             let smooth = *alpha == 0.0;
@@ -508,7 +508,7 @@ fn ask_texture(asked: &mut Asked, texture: &Texture, place: &Origin) {
     let Texture { name: _, file: _, image, encoding, peak: _, factor: _ } = texture;
     let ImageInfo { format, width: _, height: _, channels, bits } = *image;
     asked.add(Feature::Texture, place);
-    asked.add_if(channels >= 3, Feature::ColouredTexture, place);
+    asked.add_if(channels >= 3, Feature::ColoredTexture, place);
     asked.add_if(*encoding == Encoding::Srgb, Feature::SrgbTexture, place);
     asked.add_if(texture.is_scaled(), Feature::ScaledTexture, place);
     let linear = *encoding == Encoding::Linear;
@@ -624,7 +624,7 @@ mod tests {
             asks(&sample::room()),
             [
                 F::Diffuse,
-                F::ColouredDiffuse,
+                F::ColoredDiffuse,
                 F::BlackEmitter,
                 F::VertexNormals,
                 F::Camera,
@@ -648,12 +648,12 @@ mod tests {
             found
         };
         let grey = || Color::Grey(0.2);
-        let coloured = Color::Rgb([0.2, 0.3, 0.4]);
+        let colored = Color::Rgb([0.2, 0.3, 0.4]);
         assert_eq!(asks(metal(grey(), 0.0)), [Feature::SmoothConductor]);
         assert_eq!(asks(metal(grey(), 0.3)), [Feature::RoughConductor]);
         assert_eq!(asks(metal(grey(), 0.31)), [Feature::RoughConductor, Feature::WideConductor]);
         assert_eq!(asks(metal(grey(), 0.005)), [Feature::RoughConductor, Feature::SharpConductor]);
-        assert_eq!(asks(metal(coloured, 0.1)), [Feature::RoughConductor, Feature::ColouredConductor]);
+        assert_eq!(asks(metal(colored, 0.1)), [Feature::RoughConductor, Feature::ColoredConductor]);
         let bubble = Bsdf::Dielectric { interior: 1.0, exterior: 1.33, alpha: 0.0 };
         assert_eq!(asks(bubble), [Feature::SmoothDielectric, Feature::ThinnerInside]);
         let dim = Bsdf::Mirror { reflectance: Color::Grey(0.9) };
@@ -680,7 +680,7 @@ mod tests {
         }
         scene.sampler = Sampler::Sobol { samples: 4, seed: 1 };
         let light = [
-            Feature::ColouredEmitter,
+            Feature::ColoredEmitter,
             Feature::Environment,
             Feature::PointLight,
             Feature::SpotLight,
@@ -731,7 +731,7 @@ mod tests {
         scene.shapes.push(second, Origin::Made);
         let found = asks(&scene);
         for feature in
-            [Feature::SharedMesh, Feature::TransformedShape, Feature::ScatteringEmitter, Feature::ColouredEmitter]
+            [Feature::SharedMesh, Feature::TransformedShape, Feature::ScatteringEmitter, Feature::ColoredEmitter]
         {
             assert!(found.contains(&feature), "{feature:?}");
         }

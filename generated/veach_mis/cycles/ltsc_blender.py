@@ -6,7 +6,7 @@ that has the module `bpy`:
     blender -b -P scene.py -- --render image.exr --samples 64
     python scene.py --save scene.blend
 
-Lengths are scene units, angles degrees, colours and radiance linear RGB. Checked with Blender 4.5.
+Lengths are scene units, angles degrees, colors and radiance linear RGB. Checked with Blender 4.5.
 """
 
 import argparse

@@ -38,7 +38,7 @@ impl Default for CompareOptions {
     }
 }
 
-/// The result of a comparison. Its serialised form is stable: fields may come, but not go.
+/// The result of a comparison. Its serialized form is stable: fields may come, but not go.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
     /// Pixels in a row of both images.

@@ -7,7 +7,7 @@ use image::ImageEncoder;
 use super::{CompareError, Pair};
 use crate::image::{Image, ImageError, finite};
 
-/// What pixels that are not finite look like, a colour that no difference has.
+/// What pixels that are not finite look like, a color that no difference has.
 const NON_FINITE: [u8; 3] = [0, 0, 255];
 
 /// The difference `mean(B) - mean(A)` of each pixel's channels, times `2^exposure`, in 8-bit sRGB:
@@ -41,7 +41,7 @@ fn signed(a: &Image, b: &Image, exposure: f64, of: fn(f64, f64) -> f64) -> Resul
     Pair::new(a, b)?;
     let gain = exposure.exp2();
     let mean = |pixel: &[f32; 3]| pixel.iter().map(|&value| f64::from(value)).sum::<f64>() / 3.0;
-    let colour = |(a, b): (&[f32; 3], &[f32; 3])| {
+    let color = |(a, b): (&[f32; 3], &[f32; 3])| {
         if !finite(a) || !finite(b) {
             return NON_FINITE;
         }
@@ -49,7 +49,7 @@ fn signed(a: &Image, b: &Image, exposure: f64, of: fn(f64, f64) -> f64) -> Resul
         let value = encode(difference.abs() * gain);
         if difference > 0.0 { [0, value, 0] } else { [value, 0, 0] }
     };
-    Ok(a.pixels.iter().zip(&b.pixels).flat_map(colour).collect())
+    Ok(a.pixels.iter().zip(&b.pixels).flat_map(color).collect())
 }
 
 /// [`difference_rgb8`] as a PNG file; `path` is for the error.
@@ -90,7 +90,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn colours_show_sign_and_exposure() {
+    fn colors_show_sign_and_exposure() {
         let a = Image::filled(4, 1, [1.0; 3]);
         let mut b = a.clone();
         b.pixels[0] = [1.5, 1.5, 1.5];

@@ -1,4 +1,4 @@
-//! Decodes OpenEXR: finds the colour channels, refuses claims that the bytes cannot hold.
+//! Decodes OpenEXR: finds the color channels, refuses claims that the bytes cannot hold.
 
 use std::io::Cursor;
 
@@ -116,7 +116,7 @@ fn choose(headers: &[Header]) -> Result<(usize, Vec<String>), Fault> {
     }
 }
 
-/// Refuses channels and colours that would be taken for something else.
+/// Refuses channels and colors that would be taken for something else.
 fn usable(header: &Header, names: &[String]) -> Result<(), Fault> {
     for channel in header.channels.list.iter().filter(|channel| names.contains(&lossy(channel.name.bytes()))) {
         let name = lossy(channel.name.bytes());

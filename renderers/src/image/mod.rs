@@ -38,10 +38,10 @@ pub struct Image {
 }
 
 impl Image {
-    /// An image of one colour.
+    /// An image of one color.
     #[must_use]
-    pub fn filled(width: usize, height: usize, colour: [f32; 3]) -> Self {
-        Self { width, height, pixels: vec![colour; width * height] }
+    pub fn filled(width: usize, height: usize, color: [f32; 3]) -> Self {
+        Self { width, height, pixels: vec![color; width * height] }
     }
 
     /// The pixel in column `x` and row `y`, both of which must lie inside.
@@ -67,7 +67,7 @@ pub fn finite(pixel: &[f32; 3]) -> bool {
 /// in PFM).
 ///
 /// # Errors
-/// Gives an error if the file cannot be read, is neither format, is damaged, or has no colour.
+/// Gives an error if the file cannot be read, is neither format, is damaged, or has no color.
 pub fn read(path: &Path) -> Result<(Image, Attributes), ImageError> {
     read_placed(path).map(|(image, _, attributes)| (image, attributes))
 }

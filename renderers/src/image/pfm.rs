@@ -11,7 +11,7 @@ use super::attributes::DAMAGED;
 use super::{Fault, Image, ImageError, MAX_SIDE};
 use crate::cache::replace_file;
 
-/// Writes the image as little-endian colour; the file appears only when it is whole.
+/// Writes the image as little-endian color; the file appears only when it is whole.
 ///
 /// # Errors
 /// Gives an error if the folder cannot be written to.

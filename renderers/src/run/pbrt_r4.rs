@@ -22,7 +22,7 @@ pub(super) const ROW: Driver = Driver {
         oldest: 85,
         // Its renderer for graphics cards brings a hundred crates more.
         flags: &["--no-default-features"],
-        // Its build script computes tables of spectra, for which it needs ten minutes without optimisation.
+        // Its build script computes tables of spectra, for which it needs ten minutes without optimization.
         environment: &[("CARGO_PROFILE_RELEASE_BUILD_OVERRIDE_OPT_LEVEL", "3")],
     }),
     programs: &["pbrt-r4"],

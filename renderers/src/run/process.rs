@@ -127,7 +127,7 @@ pub(crate) fn tail(log: &Path, count: usize) -> Vec<String> {
     lines[lines.len().saturating_sub(count)..].to_vec()
 }
 
-/// The text without what would move the cursor or change the colours of a terminal. A progress bar
+/// The text without what would move the cursor or change the colors of a terminal. A progress bar
 /// that returns to the start of its line shows its last state.
 fn plain(line: &str) -> String {
     let line = line.trim_end_matches('\r').rsplit('\r').next().unwrap_or_default();

@@ -235,7 +235,7 @@ pub const DEFECTS: &[Defect] = &[
         "shape block = box(size: 2) |> translate@ with diffuse(rgb(0.5, 1.2, 0.5))"
     ),
     beside!(
-        "a negative colour",
+        "a negative color",
         ["invalid-argument"],
         [],
         "shape block = box(size: 2) |> translate@ with diffuse(rgb(0.5, -0.1, 0.5))"
@@ -260,17 +260,17 @@ pub const DEFECTS: &[Defect] = &[
         "shape block = box(size: 2) |> translate@ with plastic(0.5, alpha: 0.1)"
     ),
     beside!(
-        "a colour that screens cannot show",
+        "a color that screens cannot show",
         ["out-of-gamut"],
         [],
         "shape block = box(size: 2) |> translate@ with diffuse(spectrum([(510, 0), (520, 0.9), (530, 0)]))"
     ),
     Defect {
-        what: "a saturated colour",
+        what: "a saturated color",
         codes: &["saturated-albedo"],
         also: &[],
         inject: |mutant| {
-            // Colours drift from the second bounce on.
+            // Colors drift from the second bounce on.
             if mutant.scene.integrator.max_depth() < 3 {
                 return Broken::Impossible;
             }

@@ -145,7 +145,7 @@ fn document(answer: &Answer<'_>) -> Value {
     let Answer { file, scene, audited } = answer;
     let shapes: Vec<&str> = scene.shapes.values().map(|shape| shape.name.as_str()).collect();
     let emitters = |all: &[(usize, Emits)]| -> Vec<Value> {
-        let one = |(at, Emits { power, area, facing, centre }): &(usize, Emits)| json!({ "name": shapes.get(*at), "power": power, "area": area, "facing": facing, "centre": centre });
+        let one = |(at, Emits { power, area, facing, center }): &(usize, Emits)| json!({ "name": shapes.get(*at), "power": power, "area": area, "facing": facing, "center": center });
         all.iter().map(one).collect()
     };
     let sums = |sums: &Sums| {

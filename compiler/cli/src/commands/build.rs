@@ -334,7 +334,7 @@ fn where_to_look(ready: &[Ready<'_>], targets: &[&'static Target], output: &Path
         1 => text.push_str("  and the same for 1 more scene\n"),
         more => text.push_str(&format!("  and the same for {more} more scenes\n")),
     }
-    terminal::print(&text);
+    terminal::say(text.trim_end());
 }
 
 fn summary(built: &[Built], output: &Path, check: bool) {

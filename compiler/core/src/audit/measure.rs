@@ -25,7 +25,7 @@ pub struct Measure {
     pub winding: Vec3,
     /// The same on the side of the normals at the corners, where there are some.
     pub front: Vec3,
-    /// Integral of the distance from the centre along the normal, by the winding: three times the volume of a closed mesh,
+    /// Integral of the distance from the center along the normal, by the winding: three times the volume of a closed mesh,
     /// negative where its faces look inwards.
     pub winding_out: f64,
     /// The same on the side of the normals.
@@ -33,7 +33,7 @@ pub struct Measure {
     /// Integral of the cosine between the face and the mean of the normals at its corners.
     pub lean: f64,
     /// Mean place, by area.
-    pub centre: Vec3,
+    pub center: Vec3,
     /// Mean texture coordinates, by area.
     pub uv: [f64; 2],
     /// Smallest coordinates of all corners.
@@ -146,7 +146,7 @@ impl Measure {
             sum.edges += length(ab) + length(ac) + length(sub(c, b));
             sum.winding = add(sum.winding, face);
             let middle = times(add(add(sub(a, pole), sub(b, pole)), sub(c, pole)), 1.0 / 3.0);
-            sum.centre = add(sum.centre, times(middle, area));
+            sum.center = add(sum.center, times(middle, area));
             let out = dot(middle, face);
             sum.winding_out += out;
             let mut same = true;
@@ -202,13 +202,13 @@ impl Measure {
             (all.low, all.high) = ([0.0; 3], [0.0; 3]);
         }
         if all.area > 0.0 {
-            let middle = times(all.centre, 1.0 / all.area);
+            let middle = times(all.center, 1.0 / all.area);
             all.winding_out -= dot(middle, all.winding);
             all.front_out -= dot(middle, all.front);
-            all.centre = add(pole, middle);
+            all.center = add(pole, middle);
             all.uv = all.uv.map(|x| x / all.area);
         } else {
-            all.centre = pole;
+            all.center = pole;
         }
         all
     }
@@ -222,7 +222,7 @@ impl Measure {
         self.winding_out += other.winding_out;
         self.front_out += other.front_out;
         self.lean += other.lean;
-        self.centre = add(self.centre, other.centre);
+        self.center = add(self.center, other.center);
         self.uv = [self.uv[0] + other.uv[0], self.uv[1] + other.uv[1]];
         for axis in 0..3 {
             self.low[axis] = self.low[axis].min(other.low[axis]);
@@ -249,7 +249,7 @@ impl Measure {
             winding_out: self.winding_out * volume,
             front_out: self.front_out * if self.normals { volume.abs() } else { volume },
             lean: self.lean * size * side,
-            centre: map.point(self.centre),
+            center: map.point(self.center),
             low: pick(f64::min, f64::INFINITY),
             high: pick(f64::max, f64::NEG_INFINITY),
             ..*self
@@ -326,7 +326,7 @@ pub fn difference(Pair { asked, said, slack }: Pair<'_>) -> Option<String> {
             number("faces towards the outside", asked.winding_out, said.winding_out, by)
                 .or_else(|| number("normals towards the outside", asked.front_out, said.front_out, by))
         })
-        .or_else(|| vector("the centre", asked.centre, said.centre, slack + share * extent + 1e-9 * extent))
+        .or_else(|| vector("the center", asked.center, said.center, slack + share * extent + 1e-9 * extent))
         .or_else(|| vector("the lower corner", asked.low, said.low, slack))
         .or_else(|| vector("the upper corner", asked.high, said.high, slack))
 }
@@ -344,7 +344,7 @@ mod tests {
         let measure = Measure::of((&solid).into(), &PLAIN);
         // 2 (1 2 + 1 3 + 2 3), and three times 1 2 3.
         assert!((measure.area - 22.0).abs() < 1e-9 && (measure.winding_out - 18.0).abs() < 1e-9, "{measure:?}");
-        assert!(length(sub(measure.centre, [10.5, 11.0, 11.5])) < 1e-9 && length(measure.winding) < 1e-9);
+        assert!(length(sub(measure.center, [10.5, 11.0, 11.5])) < 1e-9 && length(measure.winding) < 1e-9);
         assert!((measure.lean - measure.area).abs() < 1e-9 && measure.front_out == measure.winding_out);
         let turned = Measure::of((&flip(solid)).into(), &PLAIN);
         assert!((turned.winding_out + 18.0).abs() < 1e-9 && (turned.front_out + 18.0).abs() < 1e-9);

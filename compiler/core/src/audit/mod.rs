@@ -62,7 +62,7 @@ pub struct Emits {
     /// The mean normal of the emitting side by area: a unit vector for a plane, zero for what is closed.
     pub facing: Vec3,
     /// Mean place by area.
-    pub centre: Vec3,
+    pub center: Vec3,
 }
 
 /// What an audit of the files of one target says.
@@ -249,7 +249,7 @@ fn emits(placed: &Measure, radiance: Rgb, by_normals: bool, sides: f64) -> Emits
         power: radiance.map(|channel| channel * placed.area * std::f64::consts::PI * sides.abs()),
         area: placed.area,
         facing: placed.facing(by_normals).map(|x| x * sides.signum()),
-        centre: placed.centre,
+        center: placed.center,
     }
 }
 

@@ -223,7 +223,7 @@ fn images_of_the_environment_are_read_back() {
         for kind in [LightKind::environment(radiance), turned] {
             let mut scene = scene.clone();
             scene.lights.push(LightSource { name: "sky".to_owned(), kind }, Origin::Made);
-            // The image of the sky colours a surface too.
+            // The image of the sky colors a surface too.
             let bsdf = Bsdf::Diffuse { reflectance: crate::ir::ColorOrTexture::Texture(texture) };
             let mesh = crate::mesh::sphere(5.0, [0.0, 0.0, 50.0], 8, 4).expect("a good sphere").into_mesh("ball");
             let mesh = scene.meshes.push(mesh, Origin::Made);

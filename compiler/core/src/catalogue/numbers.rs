@@ -21,7 +21,7 @@ pub struct Emitter {
     pub strength: ([f64; 3], [f64; 3]),
     /// Area of all of them in square units, 0 for lights without a surface.
     pub area: f64,
-    /// Power of all of them in W by channel, one unit of length being a metre; none where a light has no end.
+    /// Power of all of them in W by channel, one unit of length being a meter; none where a light has no end.
     pub power: Option<[f64; 3]>,
 }
 

@@ -162,7 +162,7 @@ fn lights(emitters: &[Emitter]) -> String {
         text.push_str(&format!("| `{name}` | {} | {kind} | {strength} {unit} | {area} | {power} |\n", grouped(*count)));
     }
     more(&mut text, emitters.len());
-    text.push_str("\nArea and power are those of all lights of the row, one unit of length taken as a metre; power is pi times radiance times \
+    text.push_str("\nArea and power are those of all lights of the row, one unit of length taken as a meter; power is pi times radiance times \
                    area of surfaces.\n\n");
     text
 }

@@ -32,7 +32,7 @@ const HEAVY: usize = 4096;
 /// small as above they are not looked at.
 const ALIKE: u64 = 4;
 
-/// Triangles of one mesh that are looked for in the tree of another together: neighbours in a mesh mostly lie side by side.
+/// Triangles of one mesh that are looked for in the tree of another together: neighbors in a mesh mostly lie side by side.
 const GROUP: usize = 8;
 
 /// So many pairs of triangles are held against each other in the time of one box of a tree.
@@ -68,7 +68,7 @@ type Frame = ([i64; 9], u32);
 pub(super) struct Search<'s> {
     survey: &'s Survey<'s>,
     roles: Vec<Role>,
-    /// By use, its largest coordinate, rounded up to three bits: neighbours far from the origin have the same.
+    /// By use, its largest coordinate, rounded up to three bits: neighbors far from the origin have the same.
     reaches: Vec<f64>,
     /// By use, the number of its linear part.
     frames: Vec<u32>,

@@ -70,7 +70,7 @@ impl Tree {
     }
 
     /// Calls `found` with every two items whose boxes, `bounds`, touch, the lower first and each pair once; gives the number of
-    /// boxes looked at. The items of a leaf are neighbours, and look for theirs together.
+    /// boxes looked at. The items of a leaf are neighbors, and look for theirs together.
     pub fn each_pair(&self, bounds: impl Fn(usize) -> Bounds, mut found: impl FnMut(usize, usize)) -> u64 {
         let mut looked = 0;
         let Some(leaves) = self.levels.first() else { return 0 };

@@ -110,7 +110,7 @@ pub const CODES: &[Code] = &[
     code("invalid-name", "Something has no name, or two things share one where they must not."),
     code(
         "invalid-operation",
-        "An operator does not apply to these values, or gives no finite number.\nAngles have units, lengths and colours have none; division by zero is an error where it stands.",
+        "An operator does not apply to these values, or gives no finite number.\nAngles have units, lengths and colors have none; division by zero is an error where it stands.",
     ),
     code(
         "invalid-path-class",

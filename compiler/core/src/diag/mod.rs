@@ -222,7 +222,7 @@ const MOST_CANDIDATES: usize = 10_000;
 
 /// The name among `known` that is nearest to `name`, if one is near enough to be meant.
 ///
-/// Near means a Damerau-Levenshtein distance (neighbouring letters swapped count one) of at most a third of the length,
+/// Near means a Damerau-Levenshtein distance (neighboring letters swapped count one) of at most a third of the length,
 /// at least 1 (a name of one letter has no typing error, only another case); ties go to the first.
 pub fn nearest<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let length = name.chars().count();

@@ -87,7 +87,8 @@ impl Interpreter<'_> {
                 let before = over;
                 let made = ops::binary(*operator, &left, &right, &mut over);
                 let parts = ops::parts(&left) + ops::parts(&right);
-                self.spend(before - over + parts, *sign)?;
+                // Where nothing is left, the values are too large to be compared.
+                self.spend(if over == 0 { u64::MAX } else { before - over + parts }, *sign)?;
                 if parts > 0 {
                     self.hold(parts * size_of::<[f64; 2]>() as u64, *sign)?;
                 }
@@ -305,10 +306,10 @@ impl Interpreter<'_> {
         if let (false, Ok(Value::Mesh(made))) = (file, &built) {
             self.count_triangles(made, &args, call.span)?;
         }
-        built.or_else(|problem| {
+        built.map_err(|problem| {
             let problem = *problem.0;
             if problem.id == table::REPORTED {
-                return Err(Reported);
+                return Reported;
             }
             let spans = self.argument_spans(call, row);
             for table::Detail { at, message, label, note, help, id } in std::iter::once(problem).chain(others) {
@@ -319,7 +320,7 @@ impl Interpreter<'_> {
                 finding.label = label;
                 self.findings.push(finding);
             }
-            Err(Reported)
+            Reported
         })
     }
 
@@ -436,12 +437,12 @@ impl Interpreter<'_> {
         let mut good = true;
         let piped = usize::from(call.piped.is_some());
         let mut next = 0;
-        let unlabelled = call.piped.iter().map(|value| (None, value));
-        let labelled = call.args.iter().map(|arg| (arg.label.as_ref(), &arg.value));
+        let unlabeled = call.piped.iter().map(|value| (None, value));
+        let labeled = call.args.iter().map(|arg| (arg.label.as_ref(), &arg.value));
         let mut seen_label = false;
         // Parameters that misspelt labels stand for: they are not missing.
         let mut meant: Vec<&str> = Vec::new();
-        for (label, value) in unlabelled.chain(labelled) {
+        for (label, value) in unlabeled.chain(labeled) {
             let at = match label {
                 Some(label) => {
                     seen_label = true;
@@ -659,7 +660,10 @@ impl Interpreter<'_> {
 /// default then. Calls that read files or call functions are not made again.
 fn further(row: &Constructor, args: &Args, first: &table::Problem, site: &mut Site<'_>) -> Vec<table::Detail> {
     let mut found: Vec<table::Detail> = Vec::new();
-    if row.params.iter().any(|param| matches!(param.ty, Ty::String | Ty::Height)) {
+    // Extents and axes depend on each other.
+    let entangled =
+        |ty| matches!(ty, Ty::String | Ty::Height | Ty::Extent | Ty::Range | Ty::Axis | Ty::Placeable | Ty::Turnable);
+    if row.params.iter().any(|param| entangled(param.ty)) {
         return found;
     }
     let mut wrong: Vec<&str> = Vec::new();

@@ -169,7 +169,7 @@ fn sum(operator: Binary, left: &Value, right: &Value) -> Result<Value, Wrong> {
         (Value::Color(a), Value::Color(b)) if a.spectrum().is_some() || b.spectrum().is_some() => {
             let (Some(a), Some(b)) = (a.spectrum(), b.spectrum()) else {
                 return wrong_help(
-                    "a spectrum and an RGB colour have no sum",
+                    "a spectrum and an RGB color have no sum",
                     "write both as `spectrum(...)`, or both as `rgb(...)`",
                 );
             };

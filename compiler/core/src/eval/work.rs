@@ -19,7 +19,7 @@ use super::{Interpreter, Limit, Reported};
 const PER_STEP: u64 = 32;
 
 /// Units that any text may spend, so that a low limit of steps concerns loops and not the length of the text.
-const FREE: u64 = 1 << 20;
+const FREE: u64 = 1 << 18;
 
 /// How deep lists and functions may hold each other: what holds them is also left level by level.
 pub(super) const HOLD_DEPTH: usize = 256;

@@ -101,15 +101,15 @@ const STAND_IN: f64 = 0.5;
 
 /// What RGB targets answer to a spectrum.
 const RGB_ONLY: Support = Support::approximate(
-    "it computes with RGB: a spectrum becomes its colour under D65 (CIE 1931), as an emitter its own colour",
-    "exact for the first bounce of light like D65; each further product of colours differs, of saturated ones by up to 16 % of the \
+    "it computes with RGB: a spectrum becomes its color under D65 (CIE 1931), as an emitter its own color",
+    "exact for the first bounce of light like D65; each further product of colors differs, of saturated ones by up to 16 % of the \
      largest channel (computed for reflectances whose smallest channel is a fifth of the largest); moss under light of 3000 K 0.469, 0.271, \
      0.024 for 0.457, 0.276, 0.008 (an RGB renderer, and the integral)",
 );
 
-/// What targets answer to a coloured tint of an environment for which they have no word but a number.
+/// What targets answer to a colored tint of an environment for which they have no word but a number.
 const TINTED: Support = Support::approximate(
-    "it has a number as a factor of the image and no colour: the image is written anew, times the colour, as floats in OpenEXR",
+    "it has a number as a factor of the image and no color: the image is written anew, times the color, as floats in OpenEXR",
     "6e-8 of each number: single precision",
 );
 

@@ -336,7 +336,7 @@ fn spectra_are_kept_by_one_target_and_are_rgb_for_the_others() {
         assert!(asked.iter().any(|(feature, _)| *feature == Feature::Spectrum));
         assert!(matches!((target.supports)(Feature::Spectrum), Support::Approximate { why: _, bound: _ }));
     }
-    // Light and reflectance of one spectrum have different colours in RGB.
+    // Light and reflectance of one spectrum have different colors in RGB.
     assert_ne!(of(Meaning::Light).rgb(), of(Meaning::Share).rgb());
     let scn = text(&emitted("luxcore", scene()), "scene.scn");
     let kd = scn.lines().find_map(|line| line.strip_prefix("scene.materials.table.kd = ")).expect("kd");

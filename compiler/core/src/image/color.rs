@@ -1,4 +1,4 @@
-//! Colours of other primaries in the linear sRGB that everything here means.
+//! Colors of other primaries in the linear sRGB that everything here means.
 
 /// Where red, green, blue and white of an image lie in the diagram of CIE 1931, as x and y.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -56,7 +56,7 @@ pub(super) fn load(bytes: &[u8], most: u64) -> Result<Exr, ImageError> {
         };
         remarks.push(Remark::new(Loss::Baked, format!("is read as its {from} and nothing else")));
     } else if others.contains(&"A") {
-        // Colours stay as they are: those of OpenEXR are premultiplied, and nothing is behind a surface or a sky.
+        // Colors stay as they are: those of OpenEXR are premultiplied, and nothing is behind a surface or a sky.
         remarks.extend(opaque(bytes)?);
     }
     let (mut pixels, moved) = window(header, data, most, &mut remarks)?;

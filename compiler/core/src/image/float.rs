@@ -88,7 +88,7 @@ pub(super) fn hdr(bytes: &[u8]) -> Result<Hdr, ImageError> {
         }
         if let Some(name) = text.strip_prefix(b"FORMAT=") {
             if name != b"32-bit_rle_rgbe" {
-                return Err(ImageError::new("holds other colours than RGB", place()).help("save it as RGBE"));
+                return Err(ImageError::new("holds other colors than RGB", place()).help("save it as RGBE"));
             }
             format = true;
         }

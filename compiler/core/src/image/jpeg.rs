@@ -14,7 +14,7 @@ pub(super) struct Header {
     pub height: u32,
     /// 1 or 3.
     pub channels: u8,
-    /// Segments that speak about colours or about how the picture is turned, with what they say.
+    /// Segments that speak about colors or about how the picture is turned, with what they say.
     spoken: Vec<(std::ops::Range<usize>, Option<&'static str>)>,
 }
 

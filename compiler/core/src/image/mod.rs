@@ -4,7 +4,7 @@
 //! | file | what it means |
 //! |---|---|
 //! | OpenEXR | the display window, black where there are no data; primaries of its own are converted to linear sRGB |
-//! | PNG, JPEG | the numbers as they are stored; gamma, primaries, colour profile and orientation of the file say nothing |
+//! | PNG, JPEG | the numbers as they are stored; gamma, primaries, color profile and orientation of the file say nothing |
 //! | PFM, Radiance HDR | the numbers as they are stored |
 //! | all | no alpha; no negative number; one that is not finite is an error |
 

@@ -1,4 +1,4 @@
-//! PNG (ISO/IEC 15948): the header, the chunks that speak about colours, and the pixels.
+//! PNG (ISO/IEC 15948): the header, the chunks that speak about colors, and the pixels.
 
 use std::io::Cursor as Reader;
 
@@ -21,7 +21,7 @@ pub(super) struct Png {
     pub pixels: Pixels,
     /// 8 or 16.
     pub bits: u8,
-    /// The file without what speaks about colours; none if the pixels have to be written anew.
+    /// The file without what speaks about colors; none if the pixels have to be written anew.
     pub plain: Option<Vec<u8>>,
     pub remarks: Vec<Remark>,
 }
@@ -64,15 +64,15 @@ fn header(data: &[u8], place: String) -> Result<([u32; 2], bool), ImageError> {
     let [w0, w1, w2, w3, h0, h1, h2, h3, depth, color, compression, filter, interlace] = *data else {
         return Err(ImageError::new("has a header of another length than 13 bytes", place));
     };
-    // Grey, colour, palette, grey with alpha, colour with alpha, with the depths that the standard allows them.
+    // Grey, color, palette, grey with alpha, color with alpha, with the depths that the standard allows them.
     let depths: &[u8] = match color {
         0 => &[1, 2, 4, 8, 16],
         2 | 4 | 6 => &[8, 16],
         3 => &[1, 2, 4, 8],
-        _ => return Err(ImageError::new(format!("has the unknown colour type {color}"), place)),
+        _ => return Err(ImageError::new(format!("has the unknown color type {color}"), place)),
     };
     if !depths.contains(&depth) {
-        return Err(ImageError::new(format!("has {depth} bits of colour type {color}"), place));
+        return Err(ImageError::new(format!("has {depth} bits of color type {color}"), place));
     }
     if compression != 0 || filter != 0 || interlace > 1 {
         return Err(ImageError::new("is packed in an unknown way", place));
@@ -85,7 +85,7 @@ pub(super) fn load(bytes: &[u8]) -> Result<Png, ImageError> {
     let fault = |error: png::DecodingError| ImageError::new("is damaged", error.to_string());
     let (_, simple, chunks) = scan(bytes)?;
     let mut decoder = png::Decoder::new(Reader::new(bytes));
-    // Palettes become colours, transparent ones an alpha, and depths below 8 bits 8 bits.
+    // Palettes become colors, transparent ones an alpha, and depths below 8 bits 8 bits.
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().map_err(fault)?;
     let profile = reader.info().icc_profile.as_deref().map(is_srgb);
@@ -159,7 +159,7 @@ fn without(bytes: &[u8]) -> Vec<u8> {
     kept
 }
 
-/// Whether a colour profile calls itself one of sRGB.
+/// Whether a color profile calls itself one of sRGB.
 pub(super) fn is_srgb(profile: &[u8]) -> bool {
     let wide: Vec<u8> = "sRGB".bytes().flat_map(|byte| [0, byte]).collect();
     profile.windows(4).any(|part| part == b"sRGB") || profile.windows(8).any(|part| part == wide)

@@ -174,7 +174,7 @@ mod tests {
         close([0.5, 1.0], [0.0, 1.0, 0.0]);
         close([0.5, 0.0], [0.0, -1.0, 0.0]);
         close([0.0, 0.0], [0.0, 0.0, -1.0]);
-        // A corner's neighbour is below the horizon, on its own side.
+        // A corner's neighbor is below the horizon, on its own side.
         let [x, y, z] = direction([0.9, 0.8]);
         assert!(x > 0.0 && y > 0.0 && z < 0.0);
     }
@@ -195,7 +195,7 @@ mod tests {
 
     #[test]
     fn light_is_kept_and_stays_in_its_direction() {
-        // Six colours round the axes: the brightest pixel of each channel lies where it did.
+        // Six colors round the axes: the brightest pixel of each channel lies where it did.
         let image = sky(64, 32, |x, y| {
             let grows = |a: usize, b: usize| 1.0 / (1.0 + a.abs_diff(b) as f32);
             [grows(x, 47), grows(y, 0), grows(x, 31) * grows(y, 16)]

@@ -415,7 +415,7 @@ fn what_renderers_read_differently_is_refused() {
     assert!(wrong("png", &depth).contains("4 bits"));
     assert!(wrong("pfm", &[&b"PF 1 1 2.5\n"[..], &[0; 12]].concat()).contains("scale 2.5"));
     assert!(wrong("hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n+Y 3 +X 5\nrows").contains("top to bottom"));
-    assert!(wrong("hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 3 +X 5\nrows").contains("other colours"));
+    assert!(wrong("hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_xyze\n\n-Y 3 +X 5\nrows").contains("other colors"));
 }
 
 #[test]

@@ -112,7 +112,7 @@ impl Affine {
     }
 
     /// The matrix that maps normals: the cofactors of the linear part, i.e. the inverse transpose times the
-    /// determinant. Its results must be normalised; it turns them over where the map mirrors.
+    /// determinant. Its results must be normalized; it turns them over where the map mirrors.
     pub fn cofactors(&self) -> [[f64; 3]; 3] {
         let [a, b, c] = self.linear();
         [cross(b, c), cross(c, a), cross(a, b)]

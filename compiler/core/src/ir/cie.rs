@@ -25,7 +25,7 @@ pub(super) fn reflected(value: impl Fn(f64) -> f64) -> [f64; 3] {
 }
 
 /// Linear sRGB of light of the spectrum `value`: a spectrum of 1 everywhere has the luminance of (1, 1, 1), and one of the form of
-/// D65 its colour.
+/// D65 its color.
 pub(super) fn emitted(value: impl Fn(f64) -> f64) -> [f64; 3] {
     let xyz = integral(|wavelength, _| value(wavelength));
     let [_, equal, _] = integral(|_, _| 1.0);

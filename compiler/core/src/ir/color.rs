@@ -1,4 +1,4 @@
-//! Colours: a type that can grow; nothing outside it assumes three channels.
+//! Colors: a type that can grow; nothing outside it assumes three channels.
 
 use super::{Meaning, Spectrum};
 

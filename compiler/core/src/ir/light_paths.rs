@@ -7,7 +7,7 @@
 //! and last words are these: `LDD S+ D DSE`. Either order of the two letters is read, since authors differ. A class without
 //! `L` or `E` is a part of paths: `SDS`.
 //!
-//! Local sampling (path tracing, light tracing, bidirectional path tracing) finds a path only where two neighbouring letters
+//! Local sampling (path tracing, light tracing, bidirectional path tracing) finds a path only where two neighboring letters
 //! of its full form are `D`: they can be connected, or met by chance. `G` counts as `D`: a glossy lobe has an extent.
 
 /// A class of light paths.

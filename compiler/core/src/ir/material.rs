@@ -115,7 +115,7 @@ impl Bsdf {
         }
     }
 
-    /// The texture that colours it, if one does.
+    /// The texture that colors it, if one does.
     pub fn texture(&self) -> Option<Handle<Texture>> {
         self.paint().and_then(ColorOrTexture::texture)
     }

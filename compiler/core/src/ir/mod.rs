@@ -6,7 +6,7 @@
 //! |---|---|
 //! | coordinates | right-handed, z up, lengths in scene units; positions `f32`, everything else `f64` |
 //! | angles | degrees, because every text target spells degrees |
-//! | colours | linear, sRGB (Rec. 709) primaries, D65 white; or values at wavelengths in nanometres |
+//! | colors | linear, sRGB (Rec. 709) primaries, D65 white; or values at wavelengths in nanometers |
 //! | radiance | W/(m2 sr), leaving the surface on the side of its normals |
 //! | intensity | W/sr, of a point light |
 //! | irradiance | W/m2, of directional light on a surface across its direction |
@@ -69,7 +69,7 @@ pub struct Scene {
     pub documentation: Documentation,
     /// Triangle meshes.
     pub meshes: Arena<Mesh>,
-    /// Image files that colour surfaces.
+    /// Image files that color surfaces.
     pub textures: Arena<Texture>,
     /// Materials.
     pub materials: Arena<Material>,

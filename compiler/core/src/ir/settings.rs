@@ -14,7 +14,7 @@ pub struct Film {
 /// Reconstruction filter, lengths in pixels.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Filter {
-    /// Equal weight within `radius` of the pixel's centre in both axes; radius 0.5 is the pixel itself.
+    /// Equal weight within `radius` of the pixel's center in both axes; radius 0.5 is the pixel itself.
     Box {
         /// Half the side, > 0.
         radius: f64,
@@ -60,7 +60,7 @@ pub enum Integrator {
         max_depth: u32,
     },
     /// Metropolis light transport in the space of primary samples (Kelemen et al. 2002; Hachisuka et al. 2014), over
-    /// bidirectional path tracing. Unbiased; neighbouring samples are correlated. The sampler's samples are mutations per pixel.
+    /// bidirectional path tracing. Unbiased; neighboring samples are correlated. The sampler's samples are mutations per pixel.
     Metropolis {
         /// Largest number of segments, at least 1.
         max_depth: u32,

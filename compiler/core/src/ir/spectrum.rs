@@ -1,4 +1,4 @@
-//! Colours given as values at wavelengths.
+//! Colors given as values at wavelengths.
 
 use std::sync::Arc;
 
@@ -7,9 +7,9 @@ use super::cie;
 /// What a spectrum says, which decides how it becomes RGB.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
-    /// A share of light, as a reflectance: its colour in D65, so that a constant is a grey.
+    /// A share of light, as a reflectance: its color in D65, so that a constant is a grey.
     Share,
-    /// Light itself: its own colour; 1 at every wavelength has the luminance of (1, 1, 1).
+    /// Light itself: its own color; 1 at every wavelength has the luminance of (1, 1, 1).
     Light,
     /// An index of refraction or of extinction: as a share, but never beyond its own values.
     Index,

@@ -1,4 +1,4 @@
-//! Textures: image files that colour surfaces.
+//! Textures: image files that color surfaces.
 
 use std::fmt;
 use std::ops::Deref;
@@ -106,7 +106,7 @@ pub struct ImageInfo {
     pub width: u32,
     /// Pixels, at least 1.
     pub height: u32,
-    /// 1 (grey), 2 (grey and alpha), 3 (colour) or 4 (colour and alpha). Alpha means nothing to a texture.
+    /// 1 (grey), 2 (grey and alpha), 3 (color) or 4 (color and alpha). Alpha means nothing to a texture.
     pub channels: u8,
     /// Bits of each channel: 8, 16 or 32; fewer count as 8.
     pub bits: u8,

@@ -7,7 +7,7 @@ use crate::mesh::{View, fewest_triangles};
 pub(super) const RULE: Rule = Rule {
     id: "needless-triangles",
     level: Level::Allow,
-    summary: "Neighbours in one plane would merge to less than a tenth of a mesh's triangles.",
+    summary: "Neighbors in one plane would merge to less than a tenth of a mesh's triangles.",
     doc: include_str!("needless_triangles.md"),
     targets: &[],
     check,
@@ -32,7 +32,7 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
             "made here",
             "every renderer reads and stores them, and edges between them are places where rays may slip through or meet two \
              triangles",
-            "merge neighbours that lie in one plane, or write a generator that makes fewer".to_owned(),
+            "merge neighbors that lie in one plane, or write a generator that makes fewer".to_owned(),
         );
     }
 }

@@ -14,7 +14,7 @@ pub(super) const RULE: Rule = Rule {
 };
 
 const WHY: &str = "renderers interpolate normals as they are and bring the sum to unit length, so that a long normal outweighs its \
-                   neighbours; some read them as written, others normalise first";
+                   neighbors; some read them as written, others normalize first";
 
 fn check(subject: &Subject<'_>, report: &mut Report) {
     for (span, message) in &subject.around.lengthened {

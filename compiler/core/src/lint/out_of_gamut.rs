@@ -1,4 +1,4 @@
-//! Rule `out-of-gamut`: spectra whose colour RGB can hold.
+//! Rule `out-of-gamut`: spectra whose color RGB can hold.
 #![doc = include_str!("out_of_gamut.md")]
 
 use super::{Level, Report, Rule, Subject};
@@ -8,7 +8,7 @@ use crate::ir::{Bsdf, Color, Spectrum};
 pub(super) const RULE: Rule = Rule {
     id: "out-of-gamut",
     level: Level::Warn,
-    summary: "A spectrum has a colour that linear sRGB cannot hold.",
+    summary: "A spectrum has a color that linear sRGB cannot hold.",
     doc: include_str!("out_of_gamut.md"),
     targets: &["mitsuba-3", "mitsuba-0.6", "mitsuba-0.5", "pbrt-v3", "luxcore", "gltf", "glb"],
     check,
@@ -25,7 +25,7 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
         let written = spectrum.rgb().map(|channel| (channel * 1e4).round() / 1e4);
         report.add(
             origin,
-            format!("the spectrum of {what} has a colour that RGB cannot hold"),
+            format!("the spectrum of {what} has a color that RGB cannot hold"),
             "this spectrum",
             &format!("it is {exact:?} in linear sRGB; RGB targets get {written:?}"),
             "broaden its peak, or write the `rgb(...)` that is meant".to_owned(),
@@ -36,7 +36,7 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
             Bsdf::Diffuse { reflectance } | Bsdf::Plastic { reflectance, ior: _, alpha: _ } => reflectance.color(),
             Bsdf::Principled { base, metallic: _, roughness: _, ior: _ } => base.color(),
             Bsdf::Mirror { reflectance } => Some(reflectance),
-            // Indices of refraction are no colours.
+            // Indices of refraction are no colors.
             Bsdf::Conductor { eta: _, k: _, alpha: _ } | Bsdf::Dielectric { interior: _, exterior: _, alpha: _ } => {
                 None
             }

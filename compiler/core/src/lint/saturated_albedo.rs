@@ -1,4 +1,4 @@
-//! Rule `saturated-albedo`: colours that mean the same in RGB and as spectra.
+//! Rule `saturated-albedo`: colors that mean the same in RGB and as spectra.
 #![doc = include_str!("saturated_albedo.md")]
 
 use super::{Level, Report, Rule, Subject};
@@ -46,7 +46,7 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
             scene.materials.origin(handle),
             format!("the reflectance of `{}` is saturated", material.name),
             &format!("its smallest channel is {:.2} of its largest", least / most),
-            "pbrt-v4 makes a spectrum of it, whose square is not the square of its channels: light that meets it twice has another colour",
+            "pbrt-v4 makes a spectrum of it, whose square is not the square of its channels: light that meets it twice has another color",
             format!("keep the smallest channel above {RATIO} of the largest"),
         );
     }

@@ -15,7 +15,7 @@ pub(super) const RULE: Rule = Rule {
 
 fn check(subject: &Subject<'_>, report: &mut Report) {
     let scenes = &subject.around.scenes;
-    // A scene that is looked at alone has no neighbours to be checked against.
+    // A scene that is looked at alone has no neighbors to be checked against.
     if !scenes.contains_key(&subject.scene.name) {
         return;
     }

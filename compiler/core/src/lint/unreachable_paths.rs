@@ -28,7 +28,7 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
             &scene.origin,
             format!("paths of the class `{text}` are found by no local sampling"),
             "this scene",
-            "in full form some of them have no two neighbouring `D`: path tracing, light tracing and bidirectional path tracing \
+            "in full form some of them have no two neighboring `D`: path tracing, light tracing and bidirectional path tracing \
              leave them black, photon mapping blurs them (Veach 1997, section 8.3.4)",
             "give the light an extent, or leave the class out of `paths`".to_owned(),
         );

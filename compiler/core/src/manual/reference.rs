@@ -94,7 +94,7 @@ fn heading(family: Family) -> String {
         Family::Filter => "Reconstruction filters",
         Family::Integrator => "Integrators",
         Family::Sampler => "Samplers",
-        Family::Color => "Colours",
+        Family::Color => "Colors",
         Family::Group => "Groups",
         Family::Texture => "Textures",
         Family::Function => "Functions",

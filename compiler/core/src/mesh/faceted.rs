@@ -5,7 +5,7 @@ use super::{Geometry, MeshError, face_normal};
 
 /// The geometry with the normal of each face at its corners, and how many triangles had no area and were dropped.
 ///
-/// Vertices are split where faces of different normals meet; neighbours in one plane go on sharing theirs.
+/// Vertices are split where faces of different normals meet; neighbors in one plane go on sharing theirs.
 ///
 /// # Errors
 /// Indices out of range, or arrays of different lengths.
@@ -15,7 +15,7 @@ pub fn faceted(geometry: Geometry) -> Result<(Geometry, usize), MeshError> {
     let mut dropped = 0;
     for triangle in &geometry.triangles {
         match face_normal(triangle.map(|index| geometry.positions[index as usize].map(f64::from))) {
-            // Adding 0 turns -0 to 0, so that neighbours in a plane along an axis agree to the bit.
+            // Adding 0 turns -0 to 0, so that neighbors in a plane along an axis agree to the bit.
             Some(normal) => splitter.push(*triangle, [normal.map(|x| x as f32 + 0.0); 3]),
             None => dropped += 1,
         }

@@ -12,7 +12,7 @@ const ON_AXIS: f64 = 1e-9;
 /// right hand of the direction of the profile, in the half-plane where the distance grows to the right and z upwards:
 /// a profile that runs upwards faces away from the axis. `closed` joins the last point to the first.
 ///
-/// The normal at a point is the unweighted mean of those of both neighbouring stretches of the profile; at an end it
+/// The normal at a point is the unweighted mean of those of both neighboring stretches of the profile; at an end it
 /// is that of its only one. Points on the axis become poles with a normal along the axis, and stretches on the axis
 /// have no surface. Where the profile turns back on itself each side keeps its own normal.
 ///
@@ -20,7 +20,7 @@ const ON_AXIS: f64 = 1e-9;
 /// the profile, from 0 to 1; both have a seam where the surface closes.
 ///
 /// # Errors
-/// A distance that is negative, a number that is not finite, equal neighbours, fewer than 2 points (3 where it is
+/// A distance that is negative, a number that is not finite, equal neighbors, fewer than 2 points (3 where it is
 /// closed), a profile on the axis, fewer than 3 segments, more than [`super::MAX_TRIANGLES`], a surface so small or so
 /// fine that triangles vanish in single precision.
 pub fn lathe(profile: &[[f64; 2]], segments: u64, closed: bool) -> Result<Geometry, MeshError> {
@@ -108,7 +108,7 @@ fn stretches(points: &[[f64; 2]], closed: bool) -> Vec<Stretch> {
     for at in 0..count {
         let (from, to) = (points[at], points[(at + 1) % points.len()]);
         let [dr, dz] = [to[0] - from[0], to[1] - from[1]];
-        // Not 0: neighbours are different points.
+        // Not 0: neighbors are different points.
         let own = libm::hypot(dr, dz);
         stretches.push(Stretch { from, to, normal: [dz / own, -dr / own], v: [length, length + own] });
         length += own;

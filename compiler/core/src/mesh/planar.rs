@@ -1,4 +1,4 @@
-//! How many triangles a surface needs when neighbours that lie in one plane are merged.
+//! How many triangles a surface needs when neighbors that lie in one plane are merged.
 
 use super::smooth::{Groups, position_ids};
 use super::{View, face_normal};
@@ -10,7 +10,7 @@ const FLAT: f64 = 1.0 / (1 << 21) as f64;
 
 /// The least number of triangles that make the same surface, at most the number of its triangles.
 ///
-/// Neighbours belong together where exactly two faces share an edge and one plane. A vertex at the border of a plane may go
+/// Neighbors belong together where exactly two faces share an edge and one plane. A vertex at the border of a plane may go
 /// where its border runs straight on through it, so that the surface stays closed. A polygon of `n` corners in `l` loops is cut
 /// into `n + 2 l - 4` triangles; `l` follows from Euler's formula. Triangles without area and those with a wrong index do not
 /// count.

@@ -19,7 +19,7 @@ pub struct Hole {
 }
 
 /// The box from `lo` to `hi` with a hole through its thinnest axis. Columns run along the first of the two other axes,
-/// rows along the second. Closed: the rim of the hole is modelled. Faceted normals, 48 vertices and 32 triangles, which
+/// rows along the second. Closed: the rim of the hole is modeled. Faceted normals, 48 vertices and 32 triangles, which
 /// is the least for a body with a hole and 16 corners.
 ///
 /// Texture coordinates go from 0 to 1 over each whole side, laid as on [`super::rectangle`], and over each side of the

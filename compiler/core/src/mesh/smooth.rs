@@ -7,7 +7,7 @@ use crate::ir::{Vec3, cross, dot, length, normalized, sub};
 /// The geometry with angle-weighted vertex normals (Thürmer and Wüthrich 1998), and how many triangles had no area and
 /// were dropped. Vertices at equal positions count as one point, whatever their texture coordinates.
 ///
-/// `crease` is the largest angle in degrees between the normals of two neighbouring faces that are still shaded as one
+/// `crease` is the largest angle in degrees between the normals of two neighboring faces that are still shaded as one
 /// surface: where faces meet at an edge at a larger angle, or where more than two meet, the normal breaks. At 180
 /// degrees all faces around a point share one normal.
 ///

@@ -10,7 +10,7 @@ use crate::ir::{Affine, dot, normalized};
 const WORTH_THREADS: usize = 1 << 14;
 
 /// The geometry where `map` takes it: positions in double precision, rounded once; normals by the cofactors of the map,
-/// normalised; the winding turned where the map mirrors, so that the front stays the front.
+/// normalized; the winding turned where the map mirrors, so that the front stays the front.
 ///
 /// # Errors
 /// A map that cannot be inverted, or a vertex that leaves the range of single precision.

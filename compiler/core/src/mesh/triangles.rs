@@ -7,7 +7,7 @@ use crate::ir::{Vec3, length, normalized};
 /// The mesh with these positions and faces (indices from 0, counter-clockwise seen from the front).
 ///
 /// Without `normals` every face gets its own (vertices are split); a face without area is then an error. Given normals
-/// are normalised.
+/// are normalized.
 ///
 /// # Errors
 /// No face, an index out of range, arrays of different lengths, a number that is not finite, a normal whose length
@@ -76,7 +76,7 @@ pub fn triangles(
             unit => {
                 let error = MeshError::new("normals", format!("normal {at} has length {size}"));
                 return Err(match unit {
-                    Some(unit) => error.help(format!("normalise it: ({})", words(&unit))),
+                    Some(unit) => error.help(format!("normalize it: ({})", words(&unit))),
                     None => error.help("a normal must have length 1"),
                 });
             }

@@ -89,7 +89,7 @@ impl Bounds {
         self.low.iter().chain(&self.high).fold(0.0_f64, |most, x| most.max(x.abs()))
     }
 
-    /// A box around the image of this one, by the centre and half sides (Arvo 1990, "Transforming axis-aligned bounding
+    /// A box around the image of this one, by the center and half sides (Arvo 1990, "Transforming axis-aligned bounding
     /// boxes", Graphics Gems).
     pub fn transformed(self, map: &Affine) -> Self {
         let mut low = [0.0; 3];

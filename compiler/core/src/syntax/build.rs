@@ -554,8 +554,8 @@ impl<'t> Builder<'t> {
                 Rule::name => name = Some(self.name(inner)?),
                 Rule::args => {
                     for arg in inner.into_inner() {
-                        let labelled = arg.clone().into_inner().any(|part| part.as_rule() == Rule::label);
-                        let label = labelled.then(|| self.label(&arg));
+                        let labeled = arg.clone().into_inner().any(|part| part.as_rule() == Rule::label);
+                        let label = labeled.then(|| self.label(&arg));
                         args.push(Arg { label, value: self.only_expr(arg)? });
                     }
                 }

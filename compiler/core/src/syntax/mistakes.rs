@@ -193,9 +193,9 @@ impl Seen<'_> {
                 && !before.is_empty()
                 && (before.ends_with('=') || ends_with_operator(before) || before.ends_with(['(', ',']))
             {
-                here(7, "a screen colour says that it is one", format!("write `srgb(\"#{digits}\")`"))
+                here(7, "a screen color says that it is one", format!("write `srgb(\"#{digits}\")`"))
             } else {
-                here(1, "`#` means nothing", "a comment begins with `//`; a screen colour is `srgb(\"#rrggbb\")`")
+                here(1, "`#` means nothing", "a comment begins with `//`; a screen color is `srgb(\"#rrggbb\")`")
             };
         }
         None

@@ -53,7 +53,7 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
                 }
             }
             LightKind::Directional { direction, irradiance: _ } => {
-                // Rounded to single precision in renderers, which normalise it anew.
+                // Rounded to single precision in renderers, which normalize it anew.
                 let off = (length(*direction) - 1.0).abs();
                 if off.is_nan() || off > 1e-6 {
                     fault("invalid-light", "its direction has not length 1");

@@ -50,7 +50,7 @@ fn faults(mesh: &Mesh, mut add: impl FnMut(String, Option<&str>)) {
     if let Some(normals) = normals {
         length("normals", normals.len(), count, &mut add);
         if let Some(message) = all(normals, "normal", "is not of unit length", |normal| is_unit(*normal)) {
-            add(message, Some("normalise the normals, or leave them out"));
+            add(message, Some("normalize the normals, or leave them out"));
         }
     }
     if let Some(uvs) = uvs {

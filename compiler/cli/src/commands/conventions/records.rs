@@ -59,7 +59,7 @@ pub const RECORDS: &[Record] = &[
             Feature::SharedMesh,
             Feature::Instances,
             Feature::Diffuse,
-            Feature::ColouredDiffuse,
+            Feature::ColoredDiffuse,
         ],
         at: At::Test("tests/suite/blender.rs", "every_scene_is_imported_as_it_is"),
     },

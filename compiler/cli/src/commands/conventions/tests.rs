@@ -343,7 +343,7 @@ fn other_wrong_conventions_fail() {
 }
 
 #[test]
-fn a_filter_that_reaches_into_neighbours_fails() {
+fn a_filter_that_reaches_into_neighbors_fails() {
     let one = asked("pixel_filter", 0);
     let mut image = Ideal::new(&one.scene).image();
     let sharp = image.clone();

@@ -108,7 +108,7 @@ impl Run {
 
 impl Program {
     /// The numbers at up to [`LANES`] places, each of as many coordinates as there are parameters; none where one of them has
-    /// none, or another way than its neighbours. Adds the steps that the interpreter would count.
+    /// none, or another way than its neighbors. Adds the steps that the interpreter would count.
     pub(in crate::eval) fn run_many<const N: usize>(&self, places: &[[f64; N]], steps: &mut u64) -> Option<Vec<f64>> {
         let last = *places.last()?;
         if self.unit != Unit::Number || self.slots < N || places.len() > LANES {

@@ -122,7 +122,7 @@ pub(super) const ROWS: &[Constructor] = &[
                 ty: Ty::Points2,
                 default: None,
                 doc: "points (distance from the axis, z); a profile that runs upwards faces away from the axis. \
-                      The normal at a point is the mean of those of both neighbouring stretches",
+                      The normal at a point is the mean of those of both neighboring stretches",
             },
             SEGMENTS,
             Parameter { name: "closed", ty: Ty::Bool, default: Some("false"), doc: "join the last point to the first" },

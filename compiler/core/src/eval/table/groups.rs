@@ -109,7 +109,7 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     Ok(Value::Group(GroupValue { body: Rc::new(body), places: Places::One(Affine::IDENTITY) }))
 }
 
-/// The images of the surfaces that are used. One that cannot be read is reported, and the surface keeps its plain colour.
+/// The images of the surfaces that are used. One that cannot be read is reported, and the surface keeps its plain color.
 fn textures(path: &VPath, surfaces: &[Surface], used: &[bool], site: &mut Site<'_>) -> Vec<Option<Handle<Texture>>> {
     let mut known: BTreeMap<(String, [u64; 3]), Option<Handle<Texture>>> = BTreeMap::new();
     let mut all = Vec::new();

@@ -1,4 +1,4 @@
-//! Materials, emission and colours.
+//! Materials, emission and colors.
 
 use std::rc::Rc;
 
@@ -176,7 +176,7 @@ pub(super) const ROWS: &[Constructor] = &[
     Constructor {
         family: Family::Color,
         name: "rgb",
-        summary: "A linear colour with sRGB primaries.",
+        summary: "A linear color with sRGB primaries.",
         params: &[
             Parameter { name: "r", ty: Ty::Number, default: None, doc: "red" },
             Parameter { name: "g", ty: Ty::Number, default: None, doc: "green" },
@@ -192,7 +192,7 @@ pub(super) const ROWS: &[Constructor] = &[
     Constructor {
         family: Family::Color,
         name: "srgb",
-        summary: "A colour as screens write it: decoded from the sRGB curve (IEC 61966-2-1) to linear values.",
+        summary: "A color as screens write it: decoded from the sRGB curve (IEC 61966-2-1) to linear values.",
         params: &[Parameter { name: "hex", ty: Ty::String, default: None, doc: "`#rrggbb`" }],
         positional: 1,
         example: "let ochre = srgb(\"#e1c657\")",
@@ -203,7 +203,7 @@ pub(super) const ROWS: &[Constructor] = &[
             };
             let digits = text.strip_prefix('#').filter(|rest| rest.len() == 6);
             let code = digits.and_then(|digits| u32::from_str_radix(digits, 16).ok()).ok_or_else(|| {
-                Problem::new("hex", "a screen colour has six hexadecimal digits")
+                Problem::new("hex", "a screen color has six hexadecimal digits")
                     .help("write for example `srgb(\"#e1c657\")`")
             })?;
             Ok(Value::Color(Color::Rgb([16, 8, 0].map(|shift| decode((code >> shift & 0xff) as u8)))))
@@ -212,7 +212,7 @@ pub(super) const ROWS: &[Constructor] = &[
     Constructor {
         family: Family::Color,
         name: "spectrum",
-        summary: "Values at wavelengths, linear between them and constant beyond; RGB targets get the colour of it.",
+        summary: "Values at wavelengths, linear between them and constant beyond; RGB targets get the color of it.",
         params: &[Parameter {
             name: "values",
             ty: Ty::Points2,
@@ -225,7 +225,7 @@ pub(super) const ROWS: &[Constructor] = &[
     },
 ];
 
-/// Values at wavelengths: finite, in order, the first at least a nanometre above 0.
+/// Values at wavelengths: finite, in order, the first at least a nanometer above 0.
 fn spectrum(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     site.hold(size_of::<[f64; 2]>() * args.list("values").map_or(0, <[Value]>::len))?;
     let points: Vec<(f64, f64)> = points::<2>(args, "values")
@@ -235,7 +235,7 @@ fn spectrum(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
         .collect();
     let wrong = |message: String| {
         Err(Problem::new("values", message)
-            .help("write for example `spectrum([(400, 0.1), (700, 0.6)])`, in nanometres"))
+            .help("write for example `spectrum([(400, 0.1), (700, 0.6)])`, in nanometers"))
     };
     if points.len() < 2 {
         return wrong("a spectrum has values at two wavelengths or more".to_owned());
@@ -247,7 +247,7 @@ fn spectrum(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
         return wrong(format!("the wavelength {} stands behind {}: they must grow", pair[1].0, pair[0].0));
     }
     if points.iter().all(|(wavelength, _)| *wavelength < 20.0) {
-        return wrong("these wavelengths are below 20 nm: micrometres?".to_owned());
+        return wrong("these wavelengths are below 20 nm: micrometers?".to_owned());
     }
     Ok(Value::Color(Color::Spectrum(Spectrum::new(&points, Meaning::Share))))
 }

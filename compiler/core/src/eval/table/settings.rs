@@ -67,7 +67,7 @@ pub(super) const ROWS: &[Constructor] = &[
     Constructor {
         family: Family::Filter,
         name: "box",
-        summary: "Equal weight within a square round the pixel's centre.",
+        summary: "Equal weight within a square round the pixel's center.",
         params: &[Parameter {
             name: "radius",
             ty: Ty::Number,

@@ -160,11 +160,11 @@ mod tests {
     use crate::formats::shared::sample;
 
     /// The Cornell box with a block of glass.
-    fn with_glass(size: Vec3, centre: Vec3) -> Scene {
+    fn with_glass(size: Vec3, center: Vec3) -> Scene {
         let mut scene = sample::room();
         let glass = Bsdf::Dielectric { interior: 1.8, exterior: 1.0, alpha: 0.0 };
         let glass = sample::material(&mut scene, "glass", glass);
-        let mesh = sample::block(&mut scene, "glass", size, centre, 7.0);
+        let mesh = sample::block(&mut scene, "glass", size, center, 7.0);
         sample::shape(&mut scene, "glass", mesh, glass, None);
         scene
     }

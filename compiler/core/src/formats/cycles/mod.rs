@@ -30,14 +30,14 @@ fn supports(feature: Feature) -> Support {
     use Support::Exact;
     match feature {
         Feature::Diffuse
-        | Feature::ColouredDiffuse
+        | Feature::ColoredDiffuse
         | Feature::SharpConductor
-        | Feature::ColouredConductor
+        | Feature::ColoredConductor
         | Feature::Mirror
         | Feature::DimMirror
         | Feature::BlackEmitter
         | Feature::ScatteringEmitter
-        | Feature::ColouredEmitter
+        | Feature::ColoredEmitter
         | Feature::Environment
         | Feature::TurnedEnvironment
         | Feature::TintedEnvironment
@@ -45,7 +45,7 @@ fn supports(feature: Feature) -> Support {
         | Feature::SpotLight
         | Feature::DirectionalLight
         | Feature::Texture
-        | Feature::ColouredTexture
+        | Feature::ColoredTexture
         | Feature::LinearTexture
         | Feature::DeepTexture
         | Feature::ScaledTexture

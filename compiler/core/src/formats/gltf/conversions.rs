@@ -24,7 +24,7 @@ pub const CONVERSIONS: &[(Feature, &str)] = &[
 ];
 
 const METALS: [Feature; 4] =
-    [Feature::SmoothConductor, Feature::RoughConductor, Feature::SharpConductor, Feature::ColouredConductor];
+    [Feature::SmoothConductor, Feature::RoughConductor, Feature::SharpConductor, Feature::ColoredConductor];
 
 /// Metals have Schlick's Fresnel term; wide ones a masking that is correlated by height.
 pub fn bound(feature: Feature, scene: &Scene) -> Option<Bound> {

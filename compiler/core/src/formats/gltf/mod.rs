@@ -49,7 +49,7 @@ const EXTRAS: Support =
     Support::unsupported("glTF has no word for it; it stands in the scene's `extras`, which renderers ignore");
 
 const EMITTER: Support = Support::approximate(
-    "glTF counts emission in candela per square metre, and surfaces that emit on one side are not drawn from behind",
+    "glTF counts emission in candela per square meter, and surfaces that emit on one side are not drawn from behind",
     "the numbers are those of the radiance in W/(m2 sr); the back of an emitter is clear instead of black",
 );
 
@@ -63,10 +63,10 @@ fn supports(feature: Feature) -> Support {
     use Support::Exact;
     match feature {
         Feature::Diffuse
-        | Feature::ColouredDiffuse
+        | Feature::ColoredDiffuse
         | Feature::SmoothDiffuse
         | Feature::Texture
-        | Feature::ColouredTexture
+        | Feature::ColoredTexture
         | Feature::SrgbTexture
         | Feature::DeepTexture
         | Feature::ScaledTexture
@@ -79,12 +79,12 @@ fn supports(feature: Feature) -> Support {
         | Feature::Instances
         | Feature::Camera
         | Feature::ClippingPlanes => Exact,
-        Feature::SmoothConductor | Feature::RoughConductor | Feature::SharpConductor | Feature::ColouredConductor => {
+        Feature::SmoothConductor | Feature::RoughConductor | Feature::SharpConductor | Feature::ColoredConductor => {
             SCHLICK
         }
         Feature::Mirror => Exact,
         Feature::DimMirror => Support::approximate(
-            "a glTF metal of that base colour stands for it, whose Fresnel term is Schlick's",
+            "a glTF metal of that base color stands for it, whose Fresnel term is Schlick's",
             "at 60, 75 and 85 degrees 0.52, 0.61, 0.82 for a reflectance of 0.5 (computed)",
         ),
         Feature::WideConductor => Support::approximate(
@@ -98,7 +98,7 @@ fn supports(feature: Feature) -> Support {
         Feature::ThinnerInside => {
             Support::unsupported("glTF's index of refraction is at least 1, inside relative to outside")
         }
-        Feature::BlackEmitter | Feature::ScatteringEmitter | Feature::ColouredEmitter => EMITTER,
+        Feature::BlackEmitter | Feature::ScatteringEmitter | Feature::ColoredEmitter => EMITTER,
         Feature::Environment | Feature::EnvironmentImage | Feature::TurnedEnvironment | Feature::TintedEnvironment => {
             Support::unsupported(
                 "glTF has no environment: EXT_lights_image_based takes prefiltered images, and few programs read it",

@@ -40,7 +40,7 @@ pub fn roughness(alpha: f64) -> f64 {
     alpha.sqrt().min(1.0)
 }
 
-/// The base colour of a metal, whose Fresnel term is Schlick's: the reflectance seen head-on per channel.
+/// The base color of a metal, whose Fresnel term is Schlick's: the reflectance seen head-on per channel.
 pub fn base_color(eta: &Color, k: &Color) -> [f64; 3] {
     let (eta, k) = (eta.rgb(), k.rgb());
     [0, 1, 2].map(|channel| fresnel::head_on(eta[channel], k[channel]))
@@ -73,8 +73,8 @@ pub fn cone(angle: f64, inner: f64) -> (f64, f64) {
 }
 
 /// `emissiveFactor` (0..1 per channel) and `emissiveStrength` (KHR_materials_emissive_strength), whose product is the
-/// radiance. glTF's unit is candela per square metre; written is the number of W/(m2 sr), so that nothing depends on
-/// an assumed luminous efficacy. The strength is that of the colour: the largest value of a spectrum is another number.
+/// radiance. glTF's unit is candela per square meter; written is the number of W/(m2 sr), so that nothing depends on
+/// an assumed luminous efficacy. The strength is that of the color: the largest value of a spectrum is another number.
 pub fn emission(radiance: &Color) -> ([f64; 3], f64) {
     let color = radiance.rgb().map(|x| x.max(0.0));
     let strength = color.into_iter().fold(0.0, f64::max);

@@ -319,7 +319,7 @@ fn emission_of(radiance: &Color, id: &str, out: &mut dyn Write) -> io::Result<()
     put(".directlightsampling.type", "\"ENABLED\"")
 }
 
-/// A light without a surface; without power and efficiency its strength is colour times gain.
+/// A light without a surface; without power and efficiency its strength is color times gain.
 fn light_source(kind: &LightKind, (id, image): (&str, Option<&str>), out: &mut dyn Write) -> io::Result<()> {
     let mut put = |name: &str, value: &str| set(out, &format!("scene.lights.{id}.{name}"), value);
     match kind {

@@ -32,7 +32,7 @@ fn supports(feature: Feature) -> Support {
     use Support::Exact;
     match feature {
         Feature::Diffuse
-        | Feature::ColouredDiffuse
+        | Feature::ColoredDiffuse
         | Feature::SmoothDiffuse
         | Feature::SmoothDielectric
         | Feature::ThinnerInside
@@ -40,12 +40,12 @@ fn supports(feature: Feature) -> Support {
         | Feature::DimMirror
         | Feature::BlackEmitter
         | Feature::ScatteringEmitter
-        | Feature::ColouredEmitter
+        | Feature::ColoredEmitter
         | Feature::Environment
         | Feature::PointLight
         | Feature::DirectionalLight
         | Feature::Texture
-        | Feature::ColouredTexture
+        | Feature::ColoredTexture
         | Feature::SrgbTexture
         | Feature::TurnedEnvironment
         | Feature::TintedEnvironment
@@ -57,7 +57,7 @@ fn supports(feature: Feature) -> Support {
         | Feature::ExrTexture
         | Feature::PfmTexture
         | Feature::HdrTexture
-        | Feature::ColouredConductor
+        | Feature::ColoredConductor
         | Feature::SharpConductor
         | Feature::VertexNormals
         | Feature::NoNormals

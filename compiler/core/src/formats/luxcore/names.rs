@@ -52,7 +52,7 @@ pub fn least_distance(camera: &Camera) -> Option<f64> {
 /// `scene.epsilon.min` where a file gives none.
 const DEFAULT_LEAST_DISTANCE: f64 = 1e-5;
 
-/// The gain of a point light: LuxCore spreads colour times gain over the whole sphere of directions, 4 pi steradians
+/// The gain of a point light: LuxCore spreads color times gain over the whole sphere of directions, 4 pi steradians
 /// (`pointlight.cpp`; measured with 2.11.2), where the Scene counts what goes into each steradian.
 pub const POINT_GAIN: f64 = 4.0 * std::f64::consts::PI;
 

@@ -64,13 +64,13 @@ fn supports(version: Version, feature: Feature) -> Support {
     use Support::Exact;
     match feature {
         Feature::Diffuse
-        | Feature::ColouredDiffuse
+        | Feature::ColoredDiffuse
         | Feature::SmoothDiffuse
         | Feature::SmoothConductor
         | Feature::RoughConductor
         | Feature::SharpConductor
         | Feature::WideConductor
-        | Feature::ColouredConductor
+        | Feature::ColoredConductor
         | Feature::SmoothDielectric
         | Feature::RoughDielectric
         | Feature::ThinnerInside
@@ -78,14 +78,14 @@ fn supports(version: Version, feature: Feature) -> Support {
         | Feature::DimMirror
         | Feature::BlackEmitter
         | Feature::ScatteringEmitter
-        | Feature::ColouredEmitter
+        | Feature::ColoredEmitter
         | Feature::Environment
         | Feature::TurnedEnvironment
         | Feature::PointLight
         | Feature::SpotLight
         | Feature::SoftSpotLight
         | Feature::DirectionalLight
-        | Feature::ColouredTexture
+        | Feature::ColoredTexture
         | Feature::SrgbTexture
         | Feature::LinearTexture
         | Feature::DeepTexture

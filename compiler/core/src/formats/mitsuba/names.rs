@@ -73,7 +73,7 @@ pub const ENVIRONMENT: Affine = Affine { rows: [[-1.0, 0.0, 0.0, 0.0], [0.0, 0.0
 const MOST_ROWS: u32 = 4096;
 
 /// Images of Mitsuba 3: it lays the first row of an environment on one pole and the last one on the other (measured with 3.9.1), so
-/// that images get rows there. A coloured tint is multiplied into the image, the rest is `scale`.
+/// that images get rows there. A colored tint is multiplied into the image, the rest is `scale`.
 pub fn images_3(texture: &Texture, purpose: Use) -> Form {
     match purpose {
         Use::Sky(tint) if texture.image.height <= MOST_ROWS => Form::Rows(images::split(tint).1),

@@ -134,10 +134,10 @@ fn supports_v4(feature: Feature) -> Support {
             "pbrt-v4 takes a coarser copy of an image where a pixel of the film sees several of its pixels",
             "edges within an image blurred by about a pixel of the film (`MIPMap::Filter`); exact where the image is magnified",
         ),
-        Feature::ColouredTexture => Support::approximate(
-            "pbrt-v4 is always spectral: the colours of an image become smooth spectra",
-            "as those of coloured materials: in white light one bounce to 0.2 % of the brightest channel, saturated colours differ \
-             from the second on, in coloured light from the first",
+        Feature::ColoredTexture => Support::approximate(
+            "pbrt-v4 is always spectral: the colors of an image become smooth spectra",
+            "as those of colored materials: in white light one bounce to 0.2 % of the brightest channel, saturated colors differ \
+             from the second on, in colored light from the first",
         ),
         Feature::Plastic => Support::approximate(
             "pbrt-v4's `coateddiffuse` follows light between coat and base by chance, through a rough coat facet by facet",
@@ -159,7 +159,7 @@ fn supports_v4(feature: Feature) -> Support {
             "for an index of 1.5 seen 0.135 where 0.2 is asked for, 1 where 0.8 is asked for (computed)",
         ),
         Feature::Spectrum => Support::approximate(
-            "pbrt-v4 passes a light's spectrum through, and normalises it: its luminance is written as `scale`",
+            "pbrt-v4 passes a light's spectrum through, and normalizes it: its luminance is written as `scale`",
             "exact but for the steps of both integrals, 1e-4; plastic and principled materials get RGB",
         ),
         Feature::EnvironmentImage => Support::approximate(
@@ -180,20 +180,20 @@ fn supports_v4(feature: Feature) -> Support {
             "pbrt-v4's `mlt` and the photons of its `sppm` take random numbers of their own",
             "other noise, the same expected image; exact for `lightpath`",
         ),
-        Feature::ColouredDiffuse => Support::approximate(
+        Feature::ColoredDiffuse => Support::approximate(
             "pbrt-v4 is always spectral: an RGB reflectance becomes a smooth spectrum",
             "in white light one bounce to 0.2 % of the brightest channel, further ones differ: Cornell boxes with saturated walls 1.008, \
              0.995, 1.000 and 1.057, 0.979, 0.997 (cbox_indirect) in their mean R, G, B, dark channels beside the walls by up to a factor of 3 \
              (pbrt-v4 of 2026-06); grey is exact, and what a scene gives as spectra",
         ),
-        Feature::ColouredConductor => Support::approximate(
+        Feature::ColoredConductor => Support::approximate(
             "pbrt-v4 is always spectral: RGB `eta` and `k` become smooth spectra",
             "reflectance at normal incidence 0.982 0.624 0.513 instead of 0.952 0.620 0.511 for a copper-like metal \
              (pbrt-v4 of 2026-06; computed likewise for each scene); grey is exact",
         ),
-        Feature::ColouredEmitter => Support::approximate(
+        Feature::ColoredEmitter => Support::approximate(
             "pbrt-v4 is always spectral: an RGB radiance becomes a smooth spectrum",
-            "seen and on grey surfaces 0.1 %, of a saturated one 1 % in its dark channels; on coloured surfaces a floor of (0.8, 0.4, 0.2) has \
+            "seen and on grey surfaces 0.1 %, of a saturated one 1 % in its dark channels; on colored surfaces a floor of (0.8, 0.4, 0.2) has \
              -8.5 and -79 % of red and blue under a point of (100, 50, 10), -18 % of blue in directional light of (3, 2, 1), +7.3 and \
              -29 % of red and blue under an environment of (1, 2, 0.5) (pbrt-v4 of 2026-06 and pbrt-r4 4.5.2; the spectra of Jakob and Hanika give the same)",
         ),
@@ -233,21 +233,21 @@ fn supports_v3(feature: Feature) -> Support {
     use Support::Exact;
     match feature {
         Feature::Diffuse
-        | Feature::ColouredDiffuse
+        | Feature::ColoredDiffuse
         | Feature::RoughConductor
-        | Feature::ColouredConductor
+        | Feature::ColoredConductor
         | Feature::SmoothDielectric
         | Feature::ThinnerInside
         | Feature::Mirror
         | Feature::DimMirror
         | Feature::BlackEmitter
         | Feature::ScatteringEmitter
-        | Feature::ColouredEmitter
+        | Feature::ColoredEmitter
         | Feature::Environment
         | Feature::PointLight
         | Feature::SpotLight
         | Feature::DirectionalLight
-        | Feature::ColouredTexture
+        | Feature::ColoredTexture
         | Feature::TurnedEnvironment
         | Feature::TintedEnvironment
         | Feature::SrgbTexture

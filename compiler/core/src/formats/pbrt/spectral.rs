@@ -20,11 +20,11 @@ const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 /// See [`crate::formats::Target::bound`].
 pub fn bound(feature: Feature, scene: &Scene) -> Option<Bound> {
-    if feature == Feature::ColouredDiffuse {
+    if feature == Feature::ColoredDiffuse {
         of_products(scene, |_, surfaces| surfaces > 0)
-    } else if feature == Feature::ColouredEmitter {
+    } else if feature == Feature::ColoredEmitter {
         of_products(scene, |colored, _| colored)
-    } else if feature == Feature::ColouredConductor {
+    } else if feature == Feature::ColoredConductor {
         of_metals(scene)
     } else {
         bounds::of_correlation(feature, scene)
@@ -158,7 +158,7 @@ fn surfaces(scene: &Scene) -> Option<Vec<Colored<'_, Values>>> {
 fn of_metals(scene: &Scene) -> Option<Bound> {
     let mut worst: Option<Bound> = None;
     let mut looked = Vec::new();
-    for (name, eta, k, _) in metals(scene, Feature::ColouredConductor) {
+    for (name, eta, k, _) in metals(scene, Feature::ColoredConductor) {
         if looked.contains(&(eta, k)) || looked.len() == MOST {
             continue;
         }
@@ -203,20 +203,20 @@ mod tests {
         let size = |feature, scene: &Scene| bound(feature, scene).map(|Bound { size, what: _ }| size);
         let white = room([1.0; 3], [0.63, 0.065, 0.05], 2);
         assert!(
-            size(Feature::ColouredDiffuse, &white).is_some_and(|size| size < 0.025),
+            size(Feature::ColoredDiffuse, &white).is_some_and(|size| size < 0.025),
             "{:?}",
-            bound(Feature::ColouredDiffuse, &white)
+            bound(Feature::ColoredDiffuse, &white)
         );
-        assert_eq!(size(Feature::ColouredEmitter, &white), None);
-        let twice = bound(Feature::ColouredDiffuse, &room([1.0; 3], [0.6, 0.2, 0.15], 3)).expect("a bound");
+        assert_eq!(size(Feature::ColoredEmitter, &white), None);
+        let twice = bound(Feature::ColoredDiffuse, &room([1.0; 3], [0.6, 0.2, 0.15], 3)).expect("a bound");
         assert!((0.02..1.0).contains(&twice.size) && twice.what.contains("after `wall` and `wall`"), "{twice:?}");
         // Measured: 79 % of the blue light (`point_light`); the table adds a little.
-        let point = bound(Feature::ColouredEmitter, &room([100.0, 50.0, 10.0], [0.8, 0.4, 0.2], 2)).expect("a bound");
+        let point = bound(Feature::ColoredEmitter, &room([100.0, 50.0, 10.0], [0.8, 0.4, 0.2], 2)).expect("a bound");
         assert!(
             (0.79..0.87).contains(&point.size) && point.what.contains("blue light of `lamp` after `wall`"),
             "{point:?}"
         );
-        assert_eq!(size(Feature::ColouredDiffuse, &room([1.0; 3], [0.5; 3], 6)), None);
+        assert_eq!(size(Feature::ColoredDiffuse, &room([1.0; 3], [0.5; 3], 6)), None);
     }
 
     #[test]
@@ -224,7 +224,7 @@ mod tests {
         let mut scene = sample::empty("s");
         let (eta, k) = (Color::Rgb([0.200_438, 0.924_033, 1.102_212]), Color::Rgb([3.912_949, 2.452_848, 2.142_188]));
         sample::material(&mut scene, "copper", Bsdf::Conductor { eta, k, alpha: 0.1 });
-        let Bound { size, what } = bound(Feature::ColouredConductor, &scene).expect("a bound");
+        let Bound { size, what } = bound(Feature::ColoredConductor, &scene).expect("a bound");
         assert!((0.025..0.1).contains(&size) && what.contains("`copper`"), "{size} {what}");
     }
 }

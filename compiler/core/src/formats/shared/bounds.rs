@@ -25,7 +25,7 @@ pub fn metals(scene: &Scene, feature: Feature) -> impl Iterator<Item = Metal<'_>
                 (Feature::RoughConductor, *alpha > 0.0),
                 (Feature::SharpConductor, *alpha > 0.0 && *alpha < SHARP_ALPHA),
                 (Feature::WideConductor, *alpha > WIDE_ALPHA),
-                (Feature::ColouredConductor, !eta.is_grey() || !k.is_grey()),
+                (Feature::ColoredConductor, !eta.is_grey() || !k.is_grey()),
             ];
             kinds.contains(&(feature, true)).then(|| (name.as_str(), eta.rgb(), k.rgb(), *alpha))
         }

@@ -10,7 +10,7 @@ use crate::ir::{Encoding, Handle, LightKind, Scene, Texture};
 /// What an image is for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Use {
-    /// It colours surfaces.
+    /// It colors surfaces.
     Surface,
     /// It is the environment, with this tint.
     Sky([f64; 3]),
@@ -116,7 +116,7 @@ pub fn sky(scene: &Scene) -> Option<(Handle<Texture>, Use)> {
     })
 }
 
-/// Which images colour surfaces, by their places in the arena.
+/// Which images color surfaces, by their places in the arena.
 pub fn on_surfaces(scene: &Scene) -> Vec<bool> {
     let mut used = vec![false; scene.textures.len()];
     for texture in scene.materials.values().filter_map(|material| material.bsdf.texture()) {

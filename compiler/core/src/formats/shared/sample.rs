@@ -76,10 +76,10 @@ pub fn quads(scene: &mut Scene, name: &str, quads: &[[Vec3; 4]]) -> Handle<Mesh>
     scene.meshes.push(geometry.into_mesh(name), Origin::Made)
 }
 
-/// The six outward sides of a box with its centre at `centre`, turned about z.
-pub fn block(scene: &mut Scene, name: &str, size: Vec3, centre: Vec3, degrees: f64) -> Handle<Mesh> {
+/// The six outward sides of a box with its center at `center`, turned about z.
+pub fn block(scene: &mut Scene, name: &str, size: Vec3, center: Vec3, degrees: f64) -> Handle<Mesh> {
     let [x, y, z] = size.map(|side| side / 2.0);
-    let place = Affine::rotation([0.0, 0.0, 1.0], degrees).then(&Affine::translation(centre));
+    let place = Affine::rotation([0.0, 0.0, 1.0], degrees).then(&Affine::translation(center));
     let sides = [
         [[-x, -y, z], [x, -y, z], [x, y, z], [-x, y, z]],
         [[-x, y, -z], [x, y, -z], [x, -y, -z], [-x, -y, -z]],

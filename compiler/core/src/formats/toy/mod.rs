@@ -30,16 +30,16 @@ pub const TOY: Target = Target {
     import: None,
 };
 
-const COLOUR: Support = Support::approximate("a surface is one colour", "what it reflects at normal incidence");
+const COLOUR: Support = Support::approximate("a surface is one color", "what it reflects at normal incidence");
 
 fn supports(feature: Feature) -> Support {
     match feature {
         Feature::Diffuse
-        | Feature::ColouredDiffuse
+        | Feature::ColoredDiffuse
         | Feature::SmoothDiffuse
         | Feature::BlackEmitter
         | Feature::ScatteringEmitter
-        | Feature::ColouredEmitter
+        | Feature::ColoredEmitter
         | Feature::VertexNormals
         | Feature::NoNormals
         | Feature::TextureCoordinates
@@ -52,7 +52,7 @@ fn supports(feature: Feature) -> Support {
         | Feature::RoughConductor
         | Feature::SharpConductor
         | Feature::WideConductor
-        | Feature::ColouredConductor
+        | Feature::ColoredConductor
         | Feature::SmoothDielectric
         | Feature::RoughDielectric
         | Feature::ThinnerInside
@@ -73,7 +73,7 @@ fn supports(feature: Feature) -> Support {
         | Feature::SoftSpotLight
         | Feature::DirectionalLight
         | Feature::Texture
-        | Feature::ColouredTexture
+        | Feature::ColoredTexture
         | Feature::SrgbTexture
         | Feature::LinearTexture
         | Feature::DeepTexture
@@ -116,7 +116,7 @@ fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
         writeln!(out, "{} {samples}", scene.integrator.word())?;
         for material in scene.materials.values() {
             let Material { name, bsdf } = material;
-            writeln!(out, "colour {} [{}]", Line(name), Row(&colour(bsdf).rgb(), " "))?;
+            writeln!(out, "color {} [{}]", Line(name), Row(&color(bsdf).rgb(), " "))?;
         }
         let files = mesh_files(scene);
         let shape = |shape: &Shape, out: &mut dyn Write| {
@@ -158,7 +158,7 @@ fn filter_word(filter: &Filter) -> &'static str {
     }
 }
 
-fn colour(bsdf: &Bsdf) -> Color {
+fn color(bsdf: &Bsdf) -> Color {
     match bsdf {
         Bsdf::Diffuse { reflectance }
         | Bsdf::Plastic { reflectance, ior: _, alpha: _ }
@@ -239,7 +239,7 @@ mod tests {
             let inner: usize = scene.groups.values().map(|group| group.shapes.len()).sum();
             let places: usize = scene.instances.values().map(|one| one.places.maps().len()).sum();
             assert_eq!((count("shape"), count("instance")), (scene.shapes.len() + inner, places), "{file}");
-            assert_eq!((count("camera"), count("colour")), (1, scene.materials.len()), "{file}");
+            assert_eq!((count("camera"), count("color")), (1, scene.materials.len()), "{file}");
             // The ledger, the list, and what targets share.
             assert!(sink.files.contains_key(FILE));
             let shared = sink.files.keys().filter(|path| path.contains('/')).count();

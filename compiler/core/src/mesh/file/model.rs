@@ -40,7 +40,7 @@ pub struct Surface {
     pub scatter: Scatter,
     /// The radiance that it sends out on its front; none for 0.
     pub emission: Option<Vec3>,
-    /// The image that gives its diffuse or base colour, over the first texture coordinates.
+    /// The image that gives its diffuse or base color, over the first texture coordinates.
     pub picture: Option<Picture>,
     /// A factor of that image's linear numbers; 1 without an image.
     pub factor: Vec3,
@@ -48,7 +48,7 @@ pub struct Surface {
     pub lost: Vec<&'static str>,
 }
 
-/// An image that colours a surface, by the sRGB curve.
+/// An image that colors a surface, by the sRGB curve.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Picture {
     /// A file, by its path from the folder of the mesh file.
@@ -64,7 +64,7 @@ pub enum Picture {
     },
 }
 
-/// How a surface of a file scatters light. Colours are linear sRGB.
+/// How a surface of a file scatters light. Colors are linear sRGB.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Scatter {
     /// Lambertian reflection.
@@ -80,7 +80,7 @@ pub enum Scatter {
     },
     /// The metallic-roughness model of glTF 2.0.
     MetallicRoughness {
-        /// Base colour.
+        /// Base color.
         base: Vec3,
         /// 0 for plastic, 1 for metal.
         metallic: f64,

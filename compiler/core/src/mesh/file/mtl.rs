@@ -23,7 +23,7 @@ use super::{Note, shown};
 use crate::ir::Vec3;
 pub(super) use texture::Placing;
 
-/// The grey of a material that says no colour, as in most programs.
+/// The grey of a material that says no color, as in most programs.
 const GREY: f64 = 0.8;
 
 /// The materials of all libraries of a file.

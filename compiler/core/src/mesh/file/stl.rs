@@ -96,7 +96,7 @@ fn binary(bytes: &[u8]) -> Result<(Geometry, Vec<Note>), FileError> {
     let corners = |facet: &[u8; FACET]| [12, 24, 36].map(|at| [0, 4, 8].map(|axis| float(facet, at + axis)));
     let against = |facet: &&[u8; FACET]| is_against([0, 4, 8].map(|axis| float(facet, axis)), corners(facet));
     let marked = |facet: &&[u8; FACET]| facet[48] != 0 || facet[49] != 0;
-    let (positions, turned, colours) = if facets.len() < WORTH_THREADS {
+    let (positions, turned, colors) = if facets.len() < WORTH_THREADS {
         let positions: Vec<[[f32; 3]; 3]> = facets.iter().map(corners).collect();
         (positions, facets.iter().filter(against).count(), facets.iter().any(|facet| marked(&facet)))
     } else {
@@ -104,7 +104,7 @@ fn binary(bytes: &[u8]) -> Result<(Geometry, Vec<Note>), FileError> {
         let positions: Vec<[[f32; 3]; 3]> = all.clone().map(corners).collect();
         (positions, all.clone().filter(against).count(), all.into_par_iter().any(|facet| marked(&facet)))
     };
-    if colours {
+    if colors {
         // Magics says so in its title, VisCAM in the highest bit of each color; what else stands there is no image.
         let title = bytes[..HEAD - 4].windows(6).any(|word| word == b"COLOR=");
         notes.push(if title || facets.iter().any(|facet| facet[49] >= 128) {

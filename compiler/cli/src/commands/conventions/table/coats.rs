@@ -193,11 +193,11 @@ const PRINCIPLED: &[Known] = &[
     known("pbrt-v3", Feature::Principled, "the port pbrt-r3 3.2.0 differs", (0.69, 1.51)),
 ];
 
-/// The product of two colours stands for that of two spectra: up to 16 % of the largest channel off.
+/// The product of two colors stands for that of two spectra: up to 16 % of the largest channel off.
 const PRODUCT: &[Known] = &[rgb("mitsuba-3"), rgb("luxcore"), rgb("cycles"), rgb("pbrt-v3")];
 
 const fn rgb(target: &'static str) -> Known {
-    let words = "each further product of colours differs, of saturated ones by up to 16 % of the largest channel";
+    let words = "each further product of colors differs, of saturated ones by up to 16 % of the largest channel";
     Known { target: Some(target), by: By::Feature(Feature::Spectrum, words), within: Within::Distance(0.16 * 0.49) }
 }
 

@@ -14,9 +14,9 @@ pub(super) const ROWS: &[Convention] = &[
         &[Feature::Mirror, Feature::DimMirror],
         &[View::plain(&[
             check("perfect", Measure::Mean(PERFECT, Channel::All), Expected::Number(2.0), EXACT),
-            dim("coloured, red", Channel::Red, 1.8),
-            dim("coloured, green", Channel::Green, 1.0),
-            dim("coloured, blue", Channel::Blue, 0.4),
+            dim("colored, red", Channel::Red, 1.8),
+            dim("colored, green", Channel::Green, 1.0),
+            dim("colored, blue", Channel::Blue, 0.4),
             check(
                 "towards the dark",
                 Measure::Mean(area(0.71, 0.86, 0.34, 0.66), Channel::All),
@@ -27,7 +27,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "conductor_fresnel",
-        &[Feature::SmoothConductor, Feature::ColouredConductor],
+        &[Feature::SmoothConductor, Feature::ColoredConductor],
         &[View::plain(&[
             reflects("0 degrees, red", 0, Channel::Red),
             reflects("30 degrees, green", 1, Channel::Green),
@@ -133,7 +133,7 @@ const fn reflects(name: &'static str, at: usize, channel: Channel) -> Check {
             },
             Known {
                 target: Some("pbrt-v4"),
-                by: By::Feature(Feature::ColouredConductor, "0.982 0.624 0.513 instead of 0.952 0.620 0.511"),
+                by: By::Feature(Feature::ColoredConductor, "0.982 0.624 0.513 instead of 0.952 0.620 0.511"),
                 within: Within::Distance(0.04),
             },
         ],

@@ -11,7 +11,7 @@ use super::{check, convention};
 pub(super) const ROWS: &[Convention] = &[
     convention!(
         "emitter_radiance",
-        &[Feature::BlackEmitter, Feature::ColouredEmitter],
+        &[Feature::BlackEmitter, Feature::ColoredEmitter],
         &[View::plain(&[
             lamp("red", Channel::Red, Expected::Number(0.5)),
             lamp("green", Channel::Green, Expected::Number(2.0)),
@@ -165,7 +165,7 @@ const DARK: Tolerance = Tolerance::Plain(1e-4);
 
 const fn lamp(name: &'static str, channel: Channel, expected: Expected) -> Check {
     Check {
-        rests_on: &[Feature::ColouredEmitter],
+        rests_on: &[Feature::ColoredEmitter],
         ..check(name, Measure::Mean(Region::ALL, channel), expected, Tolerance::Share(1e-3))
     }
 }

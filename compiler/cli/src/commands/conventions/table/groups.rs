@@ -11,7 +11,7 @@ use super::{check, convention};
 pub(super) const ROWS: &[Convention] = &[
     convention!(
         "instance_transform",
-        &[Feature::Camera, Feature::ColouredDiffuse],
+        &[Feature::Camera, Feature::ColoredDiffuse],
         // Pixels from the left are 32 + 8 x, from the top 32 - 8 z.
         &[View::plain(&[
             // (1, 0) -> (2, 0) -> (0, -2) -> (1.5, -1.5) in x and z.
@@ -27,7 +27,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "repeated_group",
-        &[Feature::Instances, Feature::ColouredDiffuse],
+        &[Feature::Instances, Feature::ColoredDiffuse],
         // Pixels from the left are 32 + 8 x, from the top 32 - 8 z.
         &[View::plain(&[
             part("scaled, left", (8.0, 16.0, 8.0, 24.0), Channel::Red, 0.8),
@@ -41,7 +41,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "nested_groups",
-        &[Feature::Camera, Feature::ColouredDiffuse],
+        &[Feature::Camera, Feature::ColoredDiffuse],
         &[View::plain(&[
             // (1, 0) -> (2, 0) -> (0, -2) -> (0, -1).
             middle("moved, then turned: across", Channel::Red, Axis::X, 32.0),
@@ -81,7 +81,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "shared_mesh",
-        &[Feature::SharedMesh, Feature::TransformedShape, Feature::ColouredDiffuse, Feature::Diffuse],
+        &[Feature::SharedMesh, Feature::TransformedShape, Feature::ColoredDiffuse, Feature::Diffuse],
         &[View::plain(&[
             check("moved", mean(8.0, 16.0, 8.0, 16.0, 64.0), Expected::Number(0.8), Tolerance::Share(0.025)),
             Check {
@@ -100,17 +100,17 @@ const WHOLE: Measure = Measure::Mean(Region::ALL, Channel::All);
 
 const fn middle(name: &'static str, channel: Channel, axis: Axis, expected: f64) -> Check {
     Check {
-        // What little of another colour's light is seen in a channel lies up to 40 pixels away.
+        // What little of another color's light is seen in a channel lies up to 40 pixels away.
         known: &[Known {
             target: Some("pbrt-v4"),
-            by: By::Feature(Feature::ColouredDiffuse, "one bounce to 0.2 % of the brightest channel"),
+            by: By::Feature(Feature::ColoredDiffuse, "one bounce to 0.2 % of the brightest channel"),
             within: Within::Distance(0.5),
         }],
         ..check(name, Measure::Middle(channel, axis), Expected::Number(expected), Tolerance::Plain(0.1))
     }
 }
 
-/// Columns from and to, rows from and to, of an image of 64 pixels; what is meant is a quarter of a pixel away from its neighbours.
+/// Columns from and to, rows from and to, of an image of 64 pixels; what is meant is a quarter of a pixel away from its neighbors.
 const fn part(
     name: &'static str,
     (left, right, top, bottom): (f64, f64, f64, f64),

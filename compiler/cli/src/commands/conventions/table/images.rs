@@ -40,7 +40,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "texture_colors",
-        &[Feature::ColouredTexture, Feature::TextureCoordinates, Feature::ScaledTexture],
+        &[Feature::ColoredTexture, Feature::TextureCoordinates, Feature::ScaledTexture],
         &[
             View::plain(&[
                 tone("upper left, red", UPPER_LEFT, Channel::Red, 0.577_580),
@@ -111,7 +111,7 @@ const fn quarters(name: &'static str, set: &'static [(&'static str, &'static str
     View { name, set, ..View::plain(checks) }
 }
 
-/// The middle of a quarter, where neither its neighbours nor the repeated image on the other side show.
+/// The middle of a quarter, where neither its neighbors nor the repeated image on the other side show.
 const UPPER_LEFT: Region = area(0.125, 0.375, 0.125, 0.375);
 const UPPER_RIGHT: Region = area(0.625, 0.875, 0.125, 0.375);
 const LOWER_LEFT: Region = area(0.125, 0.375, 0.625, 0.875);

@@ -10,7 +10,7 @@ use super::{check, convention};
 pub(super) const ROWS: &[Convention] = &[
     convention!(
         "point_light",
-        &[Feature::PointLight, Feature::ColouredEmitter, Feature::Diffuse],
+        &[Feature::PointLight, Feature::ColoredEmitter, Feature::Diffuse],
         &[View::plain(&[
             colored(near("red", NEAR_BULB, Channel::Red)),
             colored(near("green", NEAR_BULB, Channel::Green)),
@@ -42,7 +42,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "directional_light",
-        &[Feature::DirectionalLight, Feature::ColouredEmitter, Feature::ColouredDiffuse, Feature::Diffuse],
+        &[Feature::DirectionalLight, Feature::ColoredEmitter, Feature::ColoredDiffuse, Feature::Diffuse],
         &[View::plain(&[
             colored(near("red", FLOOR, Channel::Red)),
             colored(near("green", FLOOR, Channel::Green)),
@@ -57,7 +57,7 @@ pub(super) const ROWS: &[Convention] = &[
     ),
     convention!(
         "environment_light",
-        &[Feature::Environment, Feature::ColouredEmitter, Feature::ColouredDiffuse],
+        &[Feature::Environment, Feature::ColoredEmitter, Feature::ColoredDiffuse],
         &[View::plain(&[
             colored(check(
                 "seen, red",
@@ -107,7 +107,7 @@ const RIGHT: Region = area(0.55, 0.95, 0.05, 0.95);
 
 /// A check of light that has a color, seen or on a surface that has one.
 const fn colored(check: Check) -> Check {
-    Check { rests_on: &[Feature::ColouredEmitter], ..check }
+    Check { rests_on: &[Feature::ColoredEmitter], ..check }
 }
 
 /// A mean that the ideal image has too; only where samples lie within pixels is left to chance.
