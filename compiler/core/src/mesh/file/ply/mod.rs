@@ -271,7 +271,7 @@ fn corners(element: &Element) -> Result<usize, FileError> {
 fn is_seen(name: &str) -> bool {
     let name = name.to_ascii_lowercase();
     let whole = ["r", "g", "b", "a", "s", "t", "u", "v", "nx", "ny", "nz"];
-    let parts = ["red", "green", "blue", "alpha", "color", "color", "tex", "normal", "opacity"];
+    let parts = ["red", "green", "blue", "alpha", "color", "colour", "tex", "normal", "opacity"];
     whole.contains(&name.as_str()) || parts.iter().any(|part| name.contains(part))
 }
 
