@@ -24,6 +24,12 @@ pub struct Reading {
     pub most: Option<u32>,
     /// Samples and seed.
     pub sampling: Sampling,
+    /// The algorithm, by the word of the language; none where the format has no choice.
+    pub algorithm: Option<&'static str>,
+    /// Photon mapping: the first radius, and the photons of a pass.
+    pub photons: (Option<f64>, Option<i64>),
+    /// Algorithm and filter of a format that notes them only: they are the scene's own, whatever the target can do.
+    pub noted: Option<Filter>,
     /// Clipping distances; none of a format that has none.
     pub clip: Option<Clip>,
     /// The file in which camera and film stand; none for the main file.
