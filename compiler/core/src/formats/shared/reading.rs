@@ -57,13 +57,16 @@ pub struct Reading {
     pub findings: Vec<Finding>,
 }
 
+/// What a format makes of a seed.
+pub type OfSeed = fn(u32) -> i64;
+
 /// How a format's files sample.
 #[derive(Clone, Debug, Default)]
 pub struct Sampling {
     /// Samples of a pixel, wherever they are said; none where it is not.
     pub samples: Vec<i64>,
     /// The seed with what the format makes of the Scene's; none where it has none.
-    pub seed: Option<(i64, fn(u32) -> i64)>,
+    pub seed: Option<(i64, OfSeed)>,
     /// Whether points are those of a Sobol sequence; none where there is no choice.
     pub sobol: Option<bool>,
 }
