@@ -119,10 +119,12 @@ fn text_change(bytes: &[u8], range: std::ops::Range<usize>, dice: &mut Dice) -> 
         Ok(number) => {
             let whole = !token.contains(['.', 'e', 'E']);
             let other = match dice.at(4) {
-                0 if !whole && number != 0.0 => number * 1.1,
-                1 if number != 0.0 => -number,
+                // What is next to nothing is rounding.
+                _ if number.abs() < 1e-12 => number + 1.0,
+                0 if !whole => number * 1.1,
+                1 => -number,
                 2 if number.abs() < 1e6 => number + 1.0,
-                _ if number != 0.0 && !whole => number * 0.5,
+                _ if !whole => number * 0.5,
                 _ => number + 1.0,
             };
             // Larger numbers have no next one.

@@ -70,10 +70,10 @@ const TABLE: &[Row] = &[
     Row {
         of: mitsuba,
         applies: |change| {
-            change.before.contains("<shape type=") && change.before.ends_with("id=\"")
-                || (change.before.contains("<shape type=") && change.before.contains(" id=\""))
+            let named = |tag: &str| change.before.contains(tag) && change.before.contains(" id=\"");
+            named("<shape type=") || named("<emitter type=")
         },
-        why: "the name of a shape, which nothing refers to",
+        why: "the name of a shape or light, which nothing refers to",
     },
     Row {
         of: mitsuba,
@@ -82,12 +82,17 @@ const TABLE: &[Row] = &[
     },
     Row {
         of: pbrt,
+        applies: |change| change.before.trim_end().ends_with("\"float rrthreshold\" ["),
+        why: "where paths begin to end by chance: the same image with other noise",
+    },
+    Row {
+        of: pbrt,
         applies: |change| change.before.contains("lightsample"),
         why: "how lights are chosen: the same image with other noise",
     },
     Row {
-        of: pbrt,
-        applies: |change| change.before.contains("\"string filename\" [\"") && change.line.contains("Film"),
+        of: |target, file| pbrt(target, file) && file.contains("settings"),
+        applies: |change| change.before.contains("\"string filename\" [\""),
         why: "the file of the image",
     },
     Row {
@@ -131,7 +136,16 @@ const TABLE: &[Row] = &[
         },
         why: "an upward direction that the camera's own makes the same",
     },
-    Row { of: gltf, applies: |change| value_of(change, "name"), why: "a name, which nothing refers to" },
+    Row {
+        of: gltf,
+        applies: |change| value_of(change, "thicknessFactor") && change.to != b"0" && !change.to.starts_with(b"-"),
+        why: "how thick a body is, for programs that trace no rays into it: only 0 means something",
+    },
+    Row {
+        of: gltf,
+        applies: |change| value_of(change, "name") || (change.from == "name" && change.to == b"extras"),
+        why: "a name, which nothing refers to",
+    },
     Row {
         of: gltf,
         applies: |change| {

@@ -230,6 +230,12 @@ pub fn difference(Materials { bsdf, surface, one_sided, excused }: &Materials<'_
             return Some(format!("has the width `alpha` {} instead of {}", word(b), word(a)));
         }
     }
+    if let (Bsdf::Plastic { reflectance: _, ior, alpha: _ }, Model::Coated { base: _, inside: _, ior: coat, alpha: _ }) =
+        (bsdf, model)
+        && !near(*ior, *coat)
+    {
+        return Some(format!("has a coat of the index of refraction {coat} instead of {ior}"));
+    }
     if *excused {
         return None;
     }

@@ -2,7 +2,7 @@
 
 use super::look::off;
 use super::{Asked, Found, TEXT, inexact, unsupported};
-use crate::capability::{Feature, Support, of_texture, sampler_feature};
+use crate::capability::{self, Feature, Support, of_texture, sampler_feature};
 use crate::formats::Target;
 use crate::formats::shared::camera;
 use crate::formats::shared::images::Use;
@@ -36,10 +36,36 @@ pub(super) fn compare(asked: &Asked<'_>, target: &Target, reading: &Reading, fou
         Some(view) => view_differs(asked, view, found),
         None => found.differs("the files give no camera"),
     }
+    algorithm(asked, target, reading, found);
     clip(asked, reading, found);
     sampling(asked, target, reading, found);
     found.stands_in(reading.description.as_ref());
     lights(asked, target, &reading.lights, found);
+}
+
+/// The algorithm and what it takes; where a target lacks it, path tracing stands for it.
+fn algorithm(asked: &Asked<'_>, target: &Target, reading: &Reading, found: &mut Found) {
+    let integrator = &asked.scene.integrator;
+    let lacks = unsupported(&(target.supports)(capability::algorithm(integrator).0));
+    let wanted = if lacks && reading.noted.is_none() { "path" } else { integrator.word() };
+    if let Some(said) = reading.algorithm
+        && said != wanted
+    {
+        found.differs(format!("the algorithm is `{said}` instead of `{wanted}`"));
+    }
+    let (radius, count) = reading.photons;
+    let Film { width, height, filter } = &asked.scene.film;
+    let first = camera::photon_radius(asked.scene);
+    if let Some(said) = radius.filter(|said| off(*said, first, TEXT * first)) {
+        found.differs(format!("photons are gathered within {said} instead of {first}"));
+    }
+    let photons = i64::from(width.saturating_mul(*height).min(reading.most.unwrap_or(u32::MAX)));
+    if let Some(said) = count.filter(|said| *said != photons) {
+        found.differs(format!("a pass has {said} photons instead of {photons}"));
+    }
+    if let Some(said) = reading.noted.as_ref().filter(|said| *said != filter) {
+        found.differs(format!("the filter is {said:?} instead of {filter:?}"));
+    }
 }
 
 /// Clipping distances: those of the camera, and where it leaves them open those that a writer makes for its program.

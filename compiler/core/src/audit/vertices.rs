@@ -123,7 +123,7 @@ fn normals(asked: Placed<'_>, said: Placed<'_>, share: f64) -> Option<String> {
 }
 
 fn coordinates(asked: Option<&[[f32; 2]]>, said: Option<&[[f32; 2]]>) -> Option<String> {
-    let Some(asked) = asked else { return None };
+    let asked = asked?;
     let other = || Some("other texture coordinates".to_owned());
     let Some(said) = said.filter(|said| said.len() == asked.len()) else { return other() };
     let far = |(a, b): (&[f32; 2], &[f32; 2])| {

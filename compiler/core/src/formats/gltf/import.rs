@@ -9,13 +9,14 @@ use serde_json::Value;
 use super::names;
 use crate::diag::Origin;
 use crate::files::{Bytes, VPath};
+use crate::formats::shared::camera::has_orthogonal_columns;
 use crate::formats::shared::coat::normal_reflectance;
 use crate::formats::shared::reading::{
     self, Clip, Emitted, Fresnel, Front, Light, MeshPlace, MeshSource, Model, Paint, Picture, Reading, Surface, Use,
     View,
 };
 use crate::formats::shared::source::{self, REFERENCE, SYNTAX, Source, UNKNOWN, shown};
-use crate::ir::{Affine, ImageFile, normalized};
+use crate::ir::{Affine, Filter, ImageFile, normalized};
 use crate::mesh::Geometry;
 use crate::mesh::file::FileError;
 use crate::mesh::file::gltf::accessor::{Blob, Buffers};
@@ -213,6 +214,20 @@ impl<'v> Reader<'v, '_> {
             }
         }
         self.only(extras, &["film", "integrator", "sampler"], source);
+        if let Some(filter) = extras.inner("film").and_then(|film| film.inner("filter")) {
+            self.only(filter, &["type", "radius", "stddev"], source);
+            self.reading.noted = match (filter.text("type"), filter.number("radius"), filter.number("stddev")) {
+                (Some("box"), Some(radius), None) => Some(Filter::Box { radius }),
+                (Some("gaussian"), Some(radius), Some(stddev)) => Some(Filter::Gaussian { stddev, radius }),
+                _ => None,
+            };
+        }
+        let word = extras.inner("integrator").and_then(|integrator| integrator.text("type"));
+        let words = ["path", "bidirectional", "light_tracing", "metropolis", "photon_map"];
+        self.reading.algorithm = words.into_iter().find(|known| Some(*known) == word);
+        if self.reading.noted.is_none() || self.reading.algorithm.is_none() {
+            self.say(scene, SYNTAX, "the settings have no filter or no algorithm that is known", source);
+        }
         let parts = [
             ("film", &["width", "height", "filter"][..]),
             ("integrator", &["type", "max_depth"]),
@@ -429,6 +444,9 @@ impl<'v> Reader<'v, '_> {
         self.only(light, &["name", "type", "color", "intensity", "spot"], source);
         let color = light.row::<3>("color").unwrap_or([1.0; 3]);
         let strength = color.map(|channel| channel * light.number("intensity").unwrap_or(1.0));
+        if !has_orthogonal_columns(map) {
+            self.say(node, SYNTAX, "the node of the light shears", source);
+        }
         let position = map.rows.map(|row| row[3]);
         let direction = normalized(map.rows.map(|row| -row[2]));
         let made = match light.text("type") {

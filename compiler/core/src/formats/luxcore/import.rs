@@ -149,7 +149,9 @@ fn settings(main: &VPath, source: &mut Source<'_>, reading: &mut Reading) -> Opt
     // The limits per kind of scattering have defaults of their own.
     if depths.iter().all(Option::is_some) {
         reading.max_depth = depths.into_iter().flatten().min();
-        if depths.iter().any(|depth| *depth != depths[0]) {
+        // One that is smaller is in force; one that is larger would else not be seen.
+        let least = depths.iter().filter(|depth| **depth == reading.max_depth).count();
+        if (2..depths.len()).contains(&least) {
             source.say(SYNTAX, source::whole(main), "different depths for kinds of scattering are not read");
         }
     }

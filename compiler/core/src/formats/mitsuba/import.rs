@@ -4,7 +4,7 @@
 
 use std::collections::BTreeMap;
 
-use super::names::{DEFAULT_CLIPPING, ENVIRONMENT, Version};
+use super::names::{DEFAULT_CLIPPING, ENVIRONMENT, PHOTON_ALPHA, Version};
 use super::scatter::{self, Known};
 use super::xml::{self, Defaults, Element, Plugin, Said};
 use crate::diag::Origin;
@@ -148,13 +148,23 @@ impl Reader {
         // -1 is no limit, and the default.
         let depth = plugin.integer(names.max_depth, to).unwrap_or(-1);
         self.reading.max_depth = if depth == -1 { Some(u32::MAX) } else { u32::try_from(depth).ok() };
-        for name in [names.rr_depth, "directSamples", "photonCount"] {
-            plugin.integer(name, to);
+        self.reading.algorithm = match plugin.kind() {
+            "path" => Some("path"),
+            "ptracer" => Some("light_tracing"),
+            "bdpt" => Some("bidirectional"),
+            "pssmlt" => Some("metropolis"),
+            "sppm" => Some("photon_map"),
+            _ => None,
+        };
+        plugin.integer(names.rr_depth, to);
+        if plugin.integer("directSamples", to).is_some_and(|samples| samples != -1) {
+            to.say(SYNTAX, plugin.at(), "`directSamples` other than -1 is not read");
         }
         let passes = plugin.integer("maxPasses", to);
         self.reading.sampling.samples.extend(passes);
-        for name in ["initialRadius", "alpha"] {
-            plugin.float(name, to);
+        self.reading.photons = (plugin.float("initialRadius", to), plugin.integer("photonCount", to));
+        if plugin.float("alpha", to).is_some_and(|alpha| alpha != PHOTON_ALPHA) {
+            to.say(SYNTAX, plugin.at(), format!("`alpha` other than {PHOTON_ALPHA} is not read"));
         }
         if plugin.boolean("bidirectional", to) == Some(false) {
             to.say(SYNTAX, plugin.at(), "`bidirectional` switched off is not read");

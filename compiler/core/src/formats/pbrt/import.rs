@@ -404,9 +404,16 @@ impl Reader {
         }
         // Bounces lie between segments.
         self.reading.max_depth = params.integer("maxdepth", to).unwrap_or(5).checked_add(1);
-        for name in ["rrthreshold", "radius"] {
-            params.float(name, to);
-        }
+        params.float("rrthreshold", to);
+        self.reading.photons = (params.float("radius", to), None);
+        self.reading.algorithm = match name {
+            "path" => Some("path"),
+            "bdpt" => Some("bidirectional"),
+            "mlt" => Some("metropolis"),
+            "sppm" => Some("photon_map"),
+            _ if Some(name) == self.version.names().light_tracing => Some("light_tracing"),
+            _ => None,
+        };
         for name in ["lightsampler", "lightsamplestrategy"] {
             params.string(name, to);
         }

@@ -24,6 +24,12 @@ pub struct Reading {
     pub most: Option<u32>,
     /// Samples and seed.
     pub sampling: Sampling,
+    /// The algorithm, by the word of the language; none where the format has no choice.
+    pub algorithm: Option<&'static str>,
+    /// Photon mapping: the first radius, and the photons of a pass.
+    pub photons: (Option<f64>, Option<i64>),
+    /// Algorithm and filter of a format that notes them only: they are the scene's own, whatever the target can do.
+    pub noted: Option<Filter>,
     /// Clipping distances; none of a format that has none.
     pub clip: Option<Clip>,
     /// The file in which camera and film stand; none for the main file.
@@ -51,13 +57,16 @@ pub struct Reading {
     pub findings: Vec<Finding>,
 }
 
+/// What a format makes of a seed.
+pub type OfSeed = fn(u32) -> i64;
+
 /// How a format's files sample.
 #[derive(Clone, Debug, Default)]
 pub struct Sampling {
     /// Samples of a pixel, wherever they are said; none where it is not.
     pub samples: Vec<i64>,
     /// The seed with what the format makes of the Scene's; none where it has none.
-    pub seed: Option<(i64, fn(u32) -> i64)>,
+    pub seed: Option<(i64, OfSeed)>,
     /// Whether points are those of a Sobol sequence; none where there is no choice.
     pub sobol: Option<bool>,
 }
