@@ -28,13 +28,15 @@ pub struct CompareOptions {
     pub tiles: usize,
     /// The largest shift that is tried in each direction, in pixels, 2 by default.
     pub max_shift: usize,
+    /// Gives the best shift also where noise may have made it, for images whose shift is asked for and not looked for.
+    pub any_shift: bool,
     /// Leaves out pixels that are not finite in A or B instead of refusing the images.
     pub mask_non_finite: bool,
 }
 
 impl Default for CompareOptions {
     fn default() -> Self {
-        Self { tiles: 8, max_shift: 2, mask_non_finite: false }
+        Self { tiles: 8, max_shift: 2, any_shift: false, mask_non_finite: false }
     }
 }
 
@@ -161,7 +163,7 @@ pub fn compare(a: &Image, b: &Image, options: &CompareOptions) -> Result<Compari
         masked,
         metrics,
         tiles: tiles::tiles(&pair, options.tiles),
-        shift: shift::best(&pair, options.max_shift),
+        shift: shift::best(&pair, options.max_shift, options.any_shift),
     })
 }
 

@@ -53,7 +53,8 @@ pub fn measure(measure: &Measure, image: &Image, ideal: &dyn Fn() -> Image) -> O
             weighed / sum
         }
         Measure::Shift(axis) => {
-            let shift = compare(&ideal(), image, &CompareOptions::default()).ok()?.shift?;
+            let options = CompareOptions { any_shift: true, ..CompareOptions::default() };
+            let shift = compare(&ideal(), image, &options).ok()?.shift?;
             // What moves the image onto the true one; the image itself lies the other way.
             -(match axis {
                 Axis::X => shift.dx,
