@@ -97,7 +97,7 @@ fn the_page_of_agreement_is_what_its_record_says() {
         let empty = tempfile::tempdir().expect("a folder");
         let lib = empty.path().join("empty.lts");
         fs::write(&lib, "lts 1\n").expect("a library");
-        let ran = run(ltsc().arg("agree").arg(&lib).arg("--record").arg(&record));
+        let ran = run(ltsc().arg("agree").arg(&lib).arg("--force").arg("--record").arg(&record));
         assert_eq!(ran.code, Some(0), "{}", ran.err);
         return;
     }

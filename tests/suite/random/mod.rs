@@ -131,13 +131,13 @@ fn outcome(files: &MemoryFiles, seed: u64) -> Outcome {
         Err(findings) => return Outcome::Refused(errors(&findings)),
     };
     let mut choices = Choices::default();
-    if seed % 3 == 0 {
+    if seed.is_multiple_of(3) {
         for (target, choice) in formats::choices() {
             choices.add(&format!("{}.{}", target.name, choice.name)).expect("a choice");
         }
     }
     let all = written(&valid, &choices);
-    if seed % 16 == 0 && all != written(&valid, &choices) {
+    if seed.is_multiple_of(16) && all != written(&valid, &choices) {
         return Outcome::Fault("the files differ from those of the run before".to_owned());
     }
     let mut out = MemoryFiles::default();

@@ -268,6 +268,11 @@ pub fn texture(author: &mut Author) -> String {
     let (path, encoding) = author.dice.pick(IMAGES);
     let mut all = vec![("path", format!("\"{path}\""))];
     all.extend(encoding.map(|encoding| ("encoding", format!("\"{encoding}\""))));
+    if author.dice.chance(0.3) {
+        let [r, g, b] = [0, 1, 2].map(|_| author.dice.share());
+        let grey = author.dice.chance(0.5);
+        all.push(("scale", if grey { format!("{r}") } else { format!("rgb({r}, {g}, {b})") }));
+    }
     author.call(Texture, "bitmap", &all)
 }
 

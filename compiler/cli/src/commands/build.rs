@@ -82,9 +82,12 @@ fn is_whole(project: &Project, files: &[PathBuf]) -> bool {
     let real = |files: &[PathBuf]| -> BTreeSet<PathBuf> {
         files.iter().map(|file| fs::canonicalize(file).unwrap_or_else(|_| file.clone())).collect()
     };
-    // A folder that cannot be read may hold the scene of what looks like an orphan.
-    let all = || project::scene_files(&project.scenes).ok().filter(|found| found.problems.is_empty());
-    project.declared && all().is_some_and(|all| real(files).is_superset(&real(&all.files)))
+    project.declared
+        && match project::scene_files(&project.scenes) {
+            // A folder that cannot be read may hold the scene of what looks like an orphan.
+            Ok(all) => all.problems.is_empty() && real(files).is_superset(&real(&all.files)),
+            Err(_) => has_no_scene(project),
+        }
 }
 
 /// The project, where all of it is to be built, the last scene is gone, and what was generated of it is not.
@@ -101,13 +104,17 @@ fn gone(command: &Build) -> Result<Option<Project>, Failure> {
         },
         _ => return Ok(None),
     };
-    let none = match fs::metadata(&project.scenes) {
-        Err(error) => error.kind() == io::ErrorKind::NotFound,
-        Ok(_) => project::scene_files(&project.scenes).is_err_and(|failure| failure.exit == Exit::Usage),
-    };
     let left =
         command.output.is_none() && command.target.is_empty() && !orphans(&project.generated, &[], None)?.is_empty();
-    Ok((none && left).then_some(project))
+    Ok((left && has_no_scene(&project)).then_some(project))
+}
+
+/// Whether the project's folder of scenes is not there, or is read and holds none.
+fn has_no_scene(project: &Project) -> bool {
+    match fs::metadata(&project.scenes) {
+        Err(error) => error.kind() == io::ErrorKind::NotFound,
+        Ok(_) => project::scene_files(&project.scenes).is_err_and(|failure| failure.exit == Exit::Usage),
+    }
 }
 
 fn json_of(built: &Built) -> serde_json::Value {

@@ -416,13 +416,19 @@ impl One {
         // People get a line for each target below, and what forbids to go on.
         let all = lost.into_iter().filter(|located| format != Format::Human || denied(located)).collect();
         if format == Format::Human && !refused {
-            // `lint` shows them: a sweep of renderings does not say the same again each time.
+            // What a reader left out is no matter of taste: the image is another one without it.
+            let unread = |finding: &&Finding| finding.severity == Severity::Warn && finding.id.starts_with("loss-");
+            let unread: Vec<&Finding> = self.file.checked.findings.iter().filter(unread).collect();
+            for finding in &unread {
+                terminal::say(&format!("warning: {}", finding.message));
+            }
+            // `lint` shows the others: a sweep of renderings does not say the same again each time.
             let (_, counts) = counted(std::slice::from_ref(&self.file), all);
-            if counts.warnings > 0 {
-                let plural = if counts.warnings == 1 { "" } else { "s" };
+            let others = counts.warnings.saturating_sub(unread.len());
+            if others > 0 {
+                let (more, plural) = (if unread.is_empty() { "" } else { "more " }, if others == 1 { "" } else { "s" });
                 terminal::say(&format!(
-                    "{} warning{plural}: `ltsc lint {}` shows what",
-                    counts.warnings,
+                    "{others} {more}warning{plural}: `ltsc lint {}` shows what",
                     self.shown.display()
                 ));
             }

@@ -50,17 +50,18 @@ fn over(coat: f64, base: f64) -> f64 {
     coat + (1.0 - coat) * base
 }
 
-/// The color, or what stands for an image.
-fn painted(paint: &ColorOrTexture) -> Rgb {
-    paint.color().map_or([GREY; 3], crate::ir::Color::rgb)
+/// The color, or what stands for an image with this factor.
+fn painted(paint: &ColorOrTexture, factor: Rgb) -> Rgb {
+    paint.color().map_or(factor.map(|x| x * GREY), crate::ir::Color::rgb)
 }
 
-/// What the scene asks for. `ceiling` is the largest reflectance head-on that a format can give a coat.
-pub fn asked(bsdf: &Bsdf, ceiling: f64) -> Look {
+/// What the scene asks for. `ceiling` is the largest reflectance head-on that a format can give a coat, `factor` that of an image
+/// which is not in the image itself.
+pub fn asked(bsdf: &Bsdf, ceiling: f64, factor: Rgb) -> Look {
     let look = |reflected, known, alpha, metal| Look { reflected, known, alpha, metal, through: None };
     match bsdf {
         Bsdf::Diffuse { reflectance } => {
-            let base = painted(reflectance);
+            let base = painted(reflectance, factor);
             look(all(|_, at| base[at]), 4, None, 0.0)
         }
         Bsdf::Conductor { eta, k, alpha } => {
@@ -77,12 +78,12 @@ pub fn asked(bsdf: &Bsdf, ceiling: f64) -> Look {
             look(all(|_, at| tint[at]), 4, Some(0.0), 1.0)
         }
         Bsdf::Plastic { reflectance, ior, alpha } => {
-            let (base, coat) = (painted(reflectance), Coat::new(*ior));
+            let (base, coat) = (painted(reflectance, factor), Coat::new(*ior));
             let reflected = all(|cosine, at| over(dielectric(*ior, cosine), coat.seen(base[at])));
             look(reflected, 4, Some(*alpha), 0.0)
         }
         Bsdf::Principled { base, metallic, roughness, ior } => {
-            let (base, coat) = (painted(base), normal_reflectance(*ior).min(ceiling));
+            let (base, coat) = (painted(base, factor), normal_reflectance(*ior).min(ceiling));
             let reflected = all(|_, at| metallic * base[at] + (1.0 - metallic) * over(coat, base[at]));
             look(reflected, 1, Some(roughness * roughness), *metallic)
         }
@@ -158,6 +159,8 @@ pub struct Materials<'a> {
     pub one_sided: bool,
     /// Whether the format says of this material that it cannot be exact in what is seen of it: only its kind is compared.
     pub excused: bool,
+    /// The factor of the material's image that is not in the image itself; 1 without one.
+    pub factor: Rgb,
 }
 
 /// How far reflectances may be apart, for each channel.
@@ -203,7 +206,7 @@ fn bounds(bsdf: &Bsdf, model: &Model) -> Rgb {
 }
 
 /// What differs between a material of the scene and that of a file, in words.
-pub fn difference(Materials { bsdf, surface, one_sided, excused }: &Materials<'_>) -> Option<String> {
+pub fn difference(Materials { bsdf, surface, one_sided, excused, factor }: &Materials<'_>) -> Option<String> {
     let model = &surface.model;
     let ceiling = match model {
         Model::Principled { base: _, metallic: _, alpha: _, specular: _, ceiling } => *ceiling,
@@ -213,7 +216,7 @@ pub fn difference(Materials { bsdf, surface, one_sided, excused }: &Materials<'_
         | Model::Coated { base: _, inside: _, ior: _, alpha: _ }
         | Model::Mix { share: _, parts: _ } => 1.0,
     };
-    let (asked, said) = (asked(bsdf, ceiling), said(model));
+    let (asked, said) = (asked(bsdf, ceiling, *factor), said(model));
     let clear = |look: &Look| look.through.is_some();
     if clear(&asked) != clear(&said) {
         return Some(if clear(&said) { "lets light through" } else { "lets no light through" }.to_owned());
@@ -285,7 +288,7 @@ mod tests {
     }
 
     fn differs(bsdf: &Bsdf, model: Model) -> Option<String> {
-        difference(&Materials { bsdf, surface: &surface(model), one_sided: false, excused: false })
+        difference(&Materials { bsdf, surface: &surface(model), one_sided: false, excused: false, factor: [1.0; 3] })
     }
 
     #[test]
@@ -331,7 +334,8 @@ mod tests {
         let bsdf = Bsdf::Diffuse { reflectance: Color::Grey(0.3).into() };
         assert!(differs(&bsdf, Model::Diffuse { reflectance: Paint::Color([f64::NAN; 3]) }).is_some());
         let one = Surface { two_sided: false, ..surface(Model::Diffuse { reflectance: Paint::Color([0.3; 3]) }) };
-        let found = difference(&Materials { bsdf: &bsdf, surface: &one, one_sided: false, excused: false });
+        let found =
+            difference(&Materials { bsdf: &bsdf, surface: &one, one_sided: false, excused: false, factor: [1.0; 3] });
         assert_eq!(found.as_deref(), Some("scatters on one side only"));
     }
 }

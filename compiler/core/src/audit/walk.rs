@@ -213,7 +213,8 @@ impl<'w> Walk<'w, '_, '_> {
                 let capped = if self.reading.capped { capped(bsdf) } else { None };
                 let bsdf = capped.as_ref().unwrap_or(bsdf);
                 let excused = self.excused(bsdf, &surface.model);
-                look::difference(&Materials { bsdf, surface, one_sided: true, excused }).is_none()
+                let factor = self.factor_beside(bsdf);
+                look::difference(&Materials { bsdf, surface, one_sided: true, excused, factor }).is_none()
                     && self.image_differs(bsdf, &surface.model).is_none()
             });
             if !known {
@@ -417,7 +418,7 @@ impl<'w> Walk<'w, '_, '_> {
         // Where an emitter is not drawn from behind, that is said of it.
         let one_sided = emits && inexact(&(self.target.supports)(Feature::BlackEmitter));
         let excused = self.excused(bsdf, &surface.model);
-        let what = look::difference(&Materials { bsdf, surface, one_sided, excused });
+        let what = look::difference(&Materials { bsdf, surface, one_sided, excused, factor: self.factor_beside(bsdf) });
         let what = what.or_else(|| self.image_differs(bsdf, &surface.model));
         if let Some(what) = what {
             let also = if surface.name.is_empty() || surface.name == *name {
@@ -428,7 +429,7 @@ impl<'w> Walk<'w, '_, '_> {
             self.found.differs(format!("material `{name}`{also} {what}"));
         }
         self.audit.materials += 1;
-        let known = look::asked(bsdf, 1.0).known.min(look::said(&surface.model).known);
+        let known = look::asked(bsdf, 1.0, [1.0; 3]).known.min(look::said(&surface.model).known);
         self.audit.angles += if excused { 0 } else { known };
     }
 
@@ -452,6 +453,14 @@ impl<'w> Walk<'w, '_, '_> {
             | Bsdf::Mirror { reflectance: _ }
             | Bsdf::Principled { base: _, metallic: _, roughness: _, ior: _ } => false,
         }
+    }
+
+    /// The factor of a material's image that a file has beside the image, and not in it.
+    fn factor_beside(&self, bsdf: &Bsdf) -> Rgb {
+        let Some(texture) = bsdf.texture() else { return [1.0; 3] };
+        let texture = &self.asked.scene.textures[texture];
+        let inside = (self.target.images)(texture, Purpose::Surface).factor();
+        if inside == texture.factor { [1.0; 3] } else { texture.factor }
     }
 
     fn image_differs(&self, bsdf: &Bsdf, model: &Model) -> Option<String> {

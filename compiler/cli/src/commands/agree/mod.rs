@@ -155,19 +155,35 @@ fn scene_rows(
     Ok(rows)
 }
 
+/// By how much of what targets state the tolerance for agreement grows at most: images may differ by more without being called
+/// different, and are not called equal.
+const MOST_STATED: f64 = 0.1;
+
 fn compare(command: &Agree, scene: &Scene, a: &Made, b: &Made) -> Result<Row, Failure> {
     let mut stated: Vec<Stated> = a.stated.iter().chain(&b.stated).cloned().collect();
     stated.sort_by(|one, other| other.share.total_cmp(&one.share));
     let more: f64 = stated.iter().map(|one| one.share).sum();
-    let tolerance = Tolerance { tiles: command.tolerance + more, whole: command.mean_tolerance + more };
+    let within = |more: f64| Tolerance { tiles: command.tolerance + more, whole: command.mean_tolerance + more };
     let side = |made: &'_ Made| made.images.len();
     let samples = f64::from(command.samples);
     let of = |images| verdict::Rendered { images, samples };
-    let verdict = verdict::judge(of(&a.images), of(&b.images), tolerance).map_err(|error| {
-        let (one, other) = (&a.side.name, &b.side.name);
-        let counts = format!("{one} ({}) and {other} ({})", side(a), side(b));
-        Failure::new(Exit::Environment, format!("{}: {counts}: {error}", scene.name)).help(error.hint())
-    })?;
+    let judged = |more: f64| {
+        verdict::judge(of(&a.images), of(&b.images), within(more)).map_err(|error| {
+            let (one, other) = (&a.side.name, &b.side.name);
+            let counts = format!("{one} ({}) and {other} ({})", side(a), side(b));
+            Failure::new(Exit::Environment, format!("{}: {counts}: {error}", scene.name)).help(error.hint())
+        })
+    };
+    let mut verdict = judged(more.min(MOST_STATED))?;
+    let mut excused = false;
+    if more > MOST_STATED && verdict.outcome == Outcome::Differ {
+        let wide = judged(more)?;
+        if wide.outcome == Outcome::Differ {
+            verdict = wide;
+        } else {
+            (verdict.outcome, excused) = (Outcome::Undecided, true);
+        }
+    }
     Ok(Row {
         scene: scene.name.clone(),
         settings: command.set.clone(),
@@ -176,6 +192,7 @@ fn compare(command: &Agree, scene: &Scene, a: &Made, b: &Made) -> Result<Row, Fa
         a: a.side.clone(),
         b: b.side.clone(),
         stated,
+        excused,
         verdict,
     })
 }

@@ -38,6 +38,9 @@ pub struct Row {
     pub b: Side,
     /// What the targets state of the scene; the tolerance is wider by it.
     pub stated: Vec<Stated>,
+    /// Whether the images differ by more than the tolerance, and by no more than is stated.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub excused: bool,
     /// What is proved.
     pub verdict: Verdict,
 }
@@ -96,6 +99,9 @@ impl Row {
         match verdict.outcome {
             Outcome::Agree => format!("within {within}"),
             Outcome::Differ => format!("{}, z {:.1}, by more than {within}", place(&verdict.worst), verdict.worst.z),
+            Outcome::Undecided if self.excused => {
+                format!("{}, by more than {within}, which the targets state", place(&verdict.worst))
+            }
             Outcome::Undecided => {
                 let open = verdict.tiles.iter().filter(|tile| **tile != Outcome::Agree).count();
                 let samples = |samples: Option<f64>| samples.map_or("more than can be told".to_owned(), rounded);
@@ -113,7 +119,7 @@ impl Row {
         let verdict = &self.verdict;
         let mut notes: Vec<String> = Vec::new();
         for Stated { by, what, share } in &self.stated {
-            notes.push(format!("{:.1} % of it are stated: {by}, {what}", 100.0 * share));
+            notes.push(format!("{by} states up to {:.1} % for {what}", 100.0 * share));
         }
         if verdict.rare > 0 {
             notes.push(format!("{} tiles agree beside rare bright samples that they have not met", verdict.rare));
@@ -249,7 +255,7 @@ fn page(rows: &[Row]) -> String {
         5 % that\nevery tile of an 8 x 8 grid and the whole image lie within the tolerance, *differ* at 0.5 % that something lies beyond \
         it; *undecided*\nsays how many samples per pixel would show agreement if there is one. More noise never makes more agreement. \
         The tolerance is 5 % in a\ntile and 1 % in the whole, unless a row says otherwise, and what the targets state of the scene beside \
-        it. B / A are ratios of means.\n"
+        it, up to 10 %. B / A are ratios of means.\n"
         .to_owned();
     let mut versions: Vec<String> =
         rows.iter().flat_map(|row| [&row.a, &row.b]).map(|side| format!("{} {}", side.name, side.version)).collect();
@@ -322,7 +328,17 @@ mod tests {
         };
         let stated = vec![Stated { by: "luxcore".to_owned(), what: "a rough conductor".to_owned(), share: 0.03 }];
         let (a, b) = (side("mitsuba-3"), side(b));
-        Row { scene: scene.to_owned(), settings: Vec::new(), size: 128, samples: 64, a, b, stated, verdict }
+        Row {
+            scene: scene.to_owned(),
+            settings: Vec::new(),
+            size: 128,
+            samples: 64,
+            a,
+            b,
+            stated,
+            excused: false,
+            verdict,
+        }
     }
 
     #[test]
@@ -347,6 +363,21 @@ mod tests {
         assert!(is_fresh(&file).expect("a record"));
         fs::write(beside(&file), "other").expect("written");
         assert!(!is_fresh(&file).expect("a record"));
+    }
+
+    #[test]
+    fn what_is_stated_excuses_a_difference_and_makes_no_agreement() {
+        let mut row = row("ring", "luxcore", 1.2);
+        (row.excused, row.verdict.outcome) = (true, Outcome::Undecided);
+        let text = row.text();
+        assert!(text.contains("undecided: green of tile 3, 4: 1.0200, by more than"), "{text}");
+        assert!(
+            text.contains("which the targets state\n")
+                && text.contains("luxcore states up to 3.0 % for a rough conductor"),
+            "{text}"
+        );
+        let kept: Row = serde_json::from_str(&serde_json::to_string(&row).expect("JSON")).expect("a row");
+        assert!(kept.excused);
     }
 
     #[test]

@@ -61,10 +61,16 @@ fn bitmap(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
     }
     let name = path.stem().to_owned();
     let peak = if encoding == Encoding::Srgb { image::decoded(peak) } else { peak };
-    let factor = match args.get("scale") {
-        Some(_) => args.color("scale").unwrap_or(Color::Grey(1.0)).rgb(),
-        None => [1.0; 3],
-    };
+    let factor = args.color("scale").unwrap_or(Color::Grey(1.0));
+    if factor.spectrum().is_some() {
+        return Err(Problem::new(
+            "scale",
+            "`scale` is a number or a color of red, green and blue, and this is a spectrum",
+        )
+        .id("invalid-texture")
+        .note("an image has no spectrum that could be multiplied"));
+    }
+    let factor = factor.rgb();
     if !factor.iter().all(|part| (0.0..=1.0).contains(part)) {
         return Err(Problem::new("scale", "`scale` lies between 0 and 1 in each channel")
             .id("invalid-texture")

@@ -5,8 +5,11 @@ use super::document as doc;
 use super::emit::textures;
 use super::names;
 use crate::formats;
-use crate::formats::shared::coat::{self, Coat, Mapped};
+use crate::formats::shared::coat::Coat;
 use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Emission as Light, Material, Mesh, Scene};
+
+/// The grey by which it is said how a coat changes an image.
+const GREY: f64 = 0.5;
 
 /// A color that glTF can hold: from 0 to 1.
 fn held(color: &Color) -> [f64; 3] {
@@ -22,7 +25,7 @@ fn paint(scene: &Scene, value: &ColorOrTexture) -> ([f64; 3], Option<doc::Textur
             let known = textures(scene).find(|((texture, _), _)| std::ptr::eq(*texture, own));
             match known {
                 Some((_, index)) => (held(&Color::Rgb(own.factor)), Some(doc::TextureIndex { index })),
-                None => (Color::Grey(formats::STAND_IN).rgb(), None),
+                None => (own.factor.map(|part| part * formats::STAND_IN), None),
             }
         }
     }
@@ -57,14 +60,17 @@ pub fn material(scene: &Scene, material: &Material, emission: Option<&Light>, th
         Bsdf::Plastic { reflectance, ior, alpha } => {
             extensions.ior = Some(doc::Ior { ior: names::ior(*ior, 1.0) });
             // glTF's coat does not darken its base: what is seen of the base is written.
-            let (factor, base_color_texture) =
-                match coat::mapped(reflectance, |share| Coat::new(*ior).seen(share.min(1.0))) {
-                    Mapped::Color(color) => (held(&color), None),
-                    Mapped::Texture(_, scale) => {
-                        let (factor, texture) = paint(scene, reflectance);
-                        (factor.map(|x| x * scale), texture)
+            let seen = |share: f64| Coat::new(*ior).seen(share.min(1.0));
+            let (factor, base_color_texture) = match reflectance {
+                ColorOrTexture::Color(color) => (held(&Color::Rgb(color.rgb().map(seen))), None),
+                ColorOrTexture::Texture(texture) => {
+                    let factor = scene.textures[*texture].factor.map(|part| seen(GREY * part) / GREY);
+                    match paint(scene, reflectance) {
+                        (_, Some(texture)) => (factor, Some(texture)),
+                        (_, None) => (factor.map(|part| part * formats::STAND_IN), None),
                     }
-                };
+                }
+            };
             (doc::Metallic { base_color_texture, ..opaque(factor, 0.0, names::roughness(*alpha)) }, true)
         }
         Bsdf::Principled { base, metallic, roughness, ior } => {
