@@ -1,6 +1,6 @@
 //! Runs renderers: the table of drivers, and a request that becomes an image.
 //!
-//! A driver takes an emitted folder as it is and sets only seed, samples and threads.
+//! A driver takes an emitted folder as it is and sets only seed, samples and threads, and what a renderer without them needs for that.
 
 mod bar;
 mod cycles;
