@@ -7,6 +7,9 @@ use std::path::Path;
 /// The most bytes of a text that ltsc itself or a person has written: a project file, a page, a record.
 pub const TEXT: u64 = 64 << 20;
 
+/// The most bytes for which memory is asked before there is anything to put there.
+const MOST_AT_ONCE: u64 = 1 << 30;
+
 /// Opens a regular file, and gives its size. Links are followed.
 ///
 /// # Errors
@@ -37,7 +40,8 @@ pub fn open(path: &Path) -> io::Result<(File, u64)> {
 /// As of [`open`], and if it is larger.
 pub fn read(path: &Path, limit: u64) -> io::Result<Vec<u8>> {
     let (file, size) = open(path)?;
-    let mut bytes = Vec::with_capacity(size.min(limit) as usize);
+    // A size is a claim: a file may be one hole.
+    let mut bytes = Vec::with_capacity(size.min(limit).min(MOST_AT_ONCE) as usize);
     file.take(limit.saturating_add(1)).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > limit {
         return Err(io::Error::new(io::ErrorKind::FileTooLarge, format!("it has more than {limit} bytes")));

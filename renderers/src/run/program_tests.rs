@@ -239,7 +239,16 @@ fn seeds_of_pbrt_3_are_rows_above_the_image() {
 
     stage.request.seed = 2048;
     let error = stage.fails();
-    assert_eq!(error.to_string(), "pbrt-v3 has 2048 seeds for an image of 2x1 pixels, and this is seed 2048");
+    assert_eq!(error.to_string(), "pbrt-v3 has no seed 2048 for an image of 2x1 pixels: the largest is 2047");
+    // Images that fill the film by themselves, and a filter as wide as can be said.
+    for (size, filter) in
+        [((16_384, 16_384), "1.5"), ((2, 40_000), "1.5"), ((100_000, 1_000), "1.5"), ((2, 1), "1e300")]
+    {
+        let mut stage = Stage::new("pbrt-v3", "pbrt", &SEEDED.replace("1.5", filter), PBRT3);
+        (stage.request.width, stage.request.height) = size;
+        stage.request.seed = u32::MAX;
+        assert!(stage.fails().to_string().ends_with("the largest is 0"), "{}", stage.fails());
+    }
     for (from, to, what) in
         [("\"path\"", "\"sppm\"", "the integrator `sppm`"), ("\"random\"", "\"sobol\"", "the sampler `sobol`")]
     {

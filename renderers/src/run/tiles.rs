@@ -65,15 +65,15 @@ pub(super) fn seed(
     }
     let radius = files.iter().find_map(|(_, text)| float(text, "PixelFilter", "ywidth")).unwrap_or(2.0).ceil() as usize;
     // Samples are taken where they reach into the image; one more row for what is rounded.
-    let tiles = (height + 2 * radius + 2).div_ceil(TILE);
+    let tiles = radius.saturating_mul(2).saturating_add(height + 2).div_ceil(TILE);
     let above = tiles.saturating_mul(TILE).saturating_mul(seed);
     let rows = above.saturating_add(height);
-    if rows > MOST_ROWS || rows.saturating_mul(width) > MOST_PIXELS {
-        let most = (MOST_ROWS.min(MOST_PIXELS / width) - height) / (tiles * TILE);
+    let most_rows = MOST_ROWS.min(MOST_PIXELS / width.max(1));
+    if rows > most_rows {
+        let most = most_rows.saturating_sub(height) / tiles.saturating_mul(TILE);
         return Err(RenderError::Request {
             message: format!(
-                "{name} has {} seeds for an image of {width}x{height} pixels, and this is seed {seed}",
-                most + 1
+                "{name} has no seed {seed} for an image of {width}x{height} pixels: the largest is {most}"
             ),
             hint: "count seeds from 0, or make the image smaller".to_owned(),
         });

@@ -74,6 +74,36 @@ fn every_example_of_the_table_is_a_scene() {
 }
 
 #[test]
+fn images_of_one_file_keep_their_factors_apart() {
+    let made = evaluated(
+        "let oak = \"textures/oak.png\"\nmesh card = rectangle(x: 0..1, y: 0..1, z: 0, normal: Z)\n\
+         shape a = card with diffuse(bitmap(oak))\nshape b = card with diffuse(bitmap(oak, scale: rgb(0.5, 0.25, 1)))\n\
+         shape c = card with diffuse(bitmap(oak, scale: 0.5))\nshape d = card with diffuse(bitmap(oak, scale: 0.5))\n\
+         group board = file(\"meshes/board.obj\")\ninstance one = board",
+    );
+    let scene = made.scene.unwrap_or_else(|| panic!("{:#?}", made.findings));
+    let mut factors: Vec<[f64; 3]> = scene.textures.values().map(|texture| texture.factor).collect();
+    factors.sort_by(|one, other| one.partial_cmp(other).expect("numbers"));
+    // The last one is what `Kd` of the mesh file says.
+    assert_eq!(factors, [[0.5, 0.25, 0.0], [0.5, 0.25, 1.0], [0.5; 3], [1.0; 3]]);
+}
+
+#[test]
+fn an_environment_takes_no_image_with_a_factor() {
+    let made = evaluated("emitter sky = environment(radiance: bitmap(\"sky.exr\", scale: 0.5))");
+    let said: Vec<&str> = made.findings.iter().map(|finding| finding.message.as_str()).collect();
+    assert!(said.contains(&"the image of an environment has no scale of its own"), "{said:?}");
+    for (scale, id) in [
+        ("2", "invalid-texture"),
+        ("-0.1", "invalid-texture"),
+        ("spectrum([(400, 0.1), (700, 0.2)])", "invalid-texture"),
+    ] {
+        let made = evaluated(&format!("material m = diffuse(bitmap(\"textures/oak.png\", scale: {scale}))"));
+        assert!(made.findings.iter().any(|finding| finding.id == id), "{scale}: {:?}", made.findings);
+    }
+}
+
+#[test]
 fn every_row_of_the_table_says_what_it_is() {
     for row in table() {
         assert!(row.summary.ends_with('.'), "{}: {}", row.name, row.summary);

@@ -420,10 +420,12 @@ fn equal_textures_become_one_and_unused_ones_go() {
     let first = add("first", b"b", Encoding::Srgb);
     let same = add("same", b"b", Encoding::Srgb);
     let linear = add("linear", b"b", Encoding::Linear);
+    let scaled = add("scaled", b"b", Encoding::Srgb);
+    scene.textures[scaled].factor = [0.5, 1.0, 1.0];
     assert_eq!(unused.index(), 0);
     let (_, shape) = scene.shapes.iter().next().expect("a shape");
     let shape = shape.clone();
-    for texture in [first, same, linear] {
+    for texture in [first, same, linear, scaled] {
         let bsdf = Bsdf::Diffuse { reflectance: ColorOrTexture::Texture(texture) };
         let material = scene.materials.push(Material { name: "m".to_owned(), bsdf }, Origin::Made);
         let name = format!("shape {}", texture.index());
@@ -431,12 +433,12 @@ fn equal_textures_become_one_and_unused_ones_go() {
     }
     let (lowered, _) = lower(scene);
     let names: Vec<&str> = lowered.textures.values().map(|texture| texture.name.as_str()).collect();
-    assert_eq!(names, ["first", "linear"]);
+    assert_eq!(names, ["first", "linear", "scaled"]);
     let used: Vec<usize> = lowered
         .materials
         .values()
         .filter_map(|material| material.bsdf.texture())
         .map(|texture| texture.index())
         .collect();
-    assert_eq!(used, [0, 0, 1]);
+    assert_eq!(used, [0, 0, 1, 2]);
 }

@@ -11,7 +11,8 @@ use ltsc_core::ir::Scene;
 use ltsc_core::ledger::Ledger;
 use ltsc_core::pipeline;
 use ltsc_core::valid::Valid;
-use ltsc_render::compare::verdict::{self, Outcome, Tolerance};
+use ltsc_render::compare::CompareError;
+use ltsc_render::compare::verdict::{self, Outcome, Tolerance, Verdict};
 use ltsc_render::image::{Image, Provenance, exr_bytes, read, reduce};
 use ltsc_render::run::{Driver, Rendered};
 use serde_json::json;
@@ -159,31 +160,39 @@ fn scene_rows(
 /// different, and are not called equal.
 const MOST_STATED: f64 = 0.1;
 
+/// The verdict within a tolerance and what targets state beside it, `more`; and whether the images differ by more than would still be
+/// called agreement, and by no more than is stated.
+fn judged(
+    a: verdict::Rendered<'_>,
+    b: verdict::Rendered<'_>,
+    tolerance: Tolerance,
+    more: f64,
+) -> Result<(Verdict, bool), CompareError> {
+    let within = |more: f64| Tolerance { tiles: tolerance.tiles + more, whole: tolerance.whole + more };
+    let verdict = verdict::judge(a, b, within(more.min(MOST_STATED)))?;
+    if more <= MOST_STATED || verdict.outcome != Outcome::Differ {
+        return Ok((verdict, false));
+    }
+    let wide = verdict::judge(a, b, within(more))?;
+    if wide.outcome == Outcome::Differ {
+        return Ok((wide, false));
+    }
+    Ok((Verdict { outcome: Outcome::Undecided, ..verdict }, true))
+}
+
 fn compare(command: &Agree, scene: &Scene, a: &Made, b: &Made) -> Result<Row, Failure> {
     let mut stated: Vec<Stated> = a.stated.iter().chain(&b.stated).cloned().collect();
     stated.sort_by(|one, other| other.share.total_cmp(&one.share));
     let more: f64 = stated.iter().map(|one| one.share).sum();
-    let within = |more: f64| Tolerance { tiles: command.tolerance + more, whole: command.mean_tolerance + more };
+    let tolerance = Tolerance { tiles: command.tolerance, whole: command.mean_tolerance };
     let side = |made: &'_ Made| made.images.len();
     let samples = f64::from(command.samples);
     let of = |images| verdict::Rendered { images, samples };
-    let judged = |more: f64| {
-        verdict::judge(of(&a.images), of(&b.images), within(more)).map_err(|error| {
-            let (one, other) = (&a.side.name, &b.side.name);
-            let counts = format!("{one} ({}) and {other} ({})", side(a), side(b));
-            Failure::new(Exit::Environment, format!("{}: {counts}: {error}", scene.name)).help(error.hint())
-        })
-    };
-    let mut verdict = judged(more.min(MOST_STATED))?;
-    let mut excused = false;
-    if more > MOST_STATED && verdict.outcome == Outcome::Differ {
-        let wide = judged(more)?;
-        if wide.outcome == Outcome::Differ {
-            verdict = wide;
-        } else {
-            (verdict.outcome, excused) = (Outcome::Undecided, true);
-        }
-    }
+    let (verdict, excused) = judged(of(&a.images), of(&b.images), tolerance, more).map_err(|error| {
+        let (one, other) = (&a.side.name, &b.side.name);
+        let counts = format!("{one} ({}) and {other} ({})", side(a), side(b));
+        Failure::new(Exit::Environment, format!("{}: {counts}: {error}", scene.name)).help(error.hint())
+    })?;
     Ok(Row {
         scene: scene.name.clone(),
         settings: command.set.clone(),
@@ -314,4 +323,27 @@ fn check_page(command: &Agree) -> Result<Exit, Failure> {
     }
     terminal::print(&format!("stale: {}\n", page::beside(record).display()));
     Ok(Exit::No)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_stated_widens_agreement_by_a_tenth_at_most() {
+        let flat = |value: f32| vec![Image::filled(16, 16, [value; 3]); 4];
+        let of = |ratio: f32, more: f64| {
+            let (a, b) = (flat(1.0), flat(ratio));
+            let side = |images| verdict::Rendered { images, samples: 16.0 };
+            let (verdict, excused) =
+                judged(side(&a), side(&b), Tolerance { tiles: 0.05, whole: 0.01 }, more).expect("a verdict");
+            (verdict.outcome, excused)
+        };
+        assert_eq!(of(1.005, 0.0), (Outcome::Agree, false));
+        assert_eq!(of(1.08, 0.0), (Outcome::Differ, false));
+        assert_eq!(of(1.08, 0.09), (Outcome::Agree, false));
+        assert_eq!(of(1.08, 2.7), (Outcome::Agree, false), "within what a tenth allows");
+        assert_eq!(of(1.5, 2.7), (Outcome::Undecided, true), "stated, and no agreement");
+        assert_eq!(of(1.5, 0.2), (Outcome::Differ, false), "more than is stated");
+    }
 }
