@@ -1,13 +1,12 @@
-//! Finds, installs and runs renderers; reads, writes and compares their images.
+//! Finds, installs and runs renderers; reads and writes their images.
 //!
-//! Reading order: `image` (pixels in files), `compare` (two images), `run` (one driver for each
+//! Reading order: `image` (pixels in files), `run` (one driver for each
 //! renderer), `install` (private copies of renderers), `cache` and `env` (where things are), `guard` (what is half done, and
 //! how it is put back), `supervisor` (the process that ends a renderer with all that it started), `regular` (the one way to
 //! read a file).
 //! Nothing here knows what a scene is: the input is a folder that somebody emitted.
 
 pub mod cache;
-pub mod compare;
 pub mod env;
 pub mod guard;
 pub mod image;

@@ -682,7 +682,7 @@ fn every_example_of_the_table_compiles() {
             element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
         files.insert("meshes/bunny.ply", mesh);
         files.insert("textures/oak.png", include_bytes!("../cases/textures/quads.png"));
-        files.insert("sky.exr", include_bytes!("../../compiler/cli/conventions/images/sky.exr"));
+        files.insert("sky.exr", include_bytes!("../../renderers/evaluation/conventions/images/sky.exr"));
         let array = std::fs::read(root().join("tests/cases/arrays/positions.npy")).expect("an array");
         files.insert("forest.npy", array.clone());
         files.insert("heights.npy", array);

@@ -38,8 +38,8 @@ fn the_readme_says_what_was_not_measured() {
 
 #[test]
 fn scenes_have_their_canonical_form() {
-    let ran = run(ltsc().args(["fmt", "--check", "compiler/cli/conventions"]));
-    assert_eq!(ran.code, Some(0), "run `cargo run -- fmt compiler/cli/conventions`\n{}{}", ran.out, ran.err);
+    let ran = run(ltsc().args(["fmt", "--check", "renderers/evaluation/conventions"]));
+    assert_eq!(ran.code, Some(0), "run `cargo run -- fmt renderers/evaluation/conventions`\n{}{}", ran.out, ran.err);
 }
 
 #[test]

@@ -7,8 +7,8 @@
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
+use ltsc_evaluation::compare::{CompareOptions, Comparison, compare};
 use ltsc_render::cache::CachePaths;
-use ltsc_render::compare::{CompareOptions, Comparison, compare};
 use ltsc_render::env::Env;
 use ltsc_render::image::{Image, read, reduce};
 use ltsc_render::install::{Status, status};

@@ -1,9 +1,8 @@
-//! `ltsc`: compiler and translator for light-transport test scenes. The only package that sees arguments, disk and
+//! `ltsc`: compiler and translator for light-transport test scenes. The only package that sees arguments and
 //! terminal.
 
 mod args;
 mod commands;
-mod disk;
 mod output;
 mod project;
 mod signals;
@@ -43,6 +42,7 @@ fn main() -> ExitCode {
         }
     };
     signals::end_cleanly();
+    ltsc_evaluation::disk::show_by(terminal::say);
     // The executable may be replaced while this runs.
     let own = std::path::PathBuf::from("/proc/self/exe");
     if let Some(executable) = if own.exists() { Some(own) } else { std::env::current_exe().ok() } {

@@ -9,6 +9,7 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use ltsc_core::diag::{Finding, Origin, Severity, Sources, Span};
+use ltsc_evaluation::watch::Watch;
 use miette::{
     Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError, MietteSpanContents, SourceCode,
     SourceSpan, SpanContents,
@@ -343,5 +344,37 @@ impl Bar {
     /// Takes the bar away.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
+    }
+}
+
+/// Shows the progress of what libraries do by a bar.
+#[derive(Default)]
+pub struct Watcher(Option<Bar>);
+
+impl Watch for Watcher {
+    fn begin(&mut self, total: u64, what: &str) {
+        self.0 = Some(Bar::new(total, what));
+    }
+
+    fn set(&mut self, done: u64) {
+        if let Some(bar) = &mut self.0 {
+            bar.set(done);
+        }
+    }
+
+    fn doing(&mut self, what: &str) {
+        if let Some(bar) = &mut self.0 {
+            bar.say(what);
+        }
+    }
+
+    fn end(&mut self) {
+        if let Some(bar) = self.0.take() {
+            bar.finish();
+        }
+    }
+
+    fn note(&mut self, text: &str) {
+        say(text);
     }
 }

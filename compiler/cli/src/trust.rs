@@ -9,7 +9,7 @@ use ltsc_render::env::Env;
 use ltsc_render::regular;
 use serde::{Deserialize, Serialize};
 
-use crate::disk::write_whole;
+use ltsc_evaluation::disk::write_whole;
 
 /// Folders of projects whose programs are all trusted, parted as those of `PATH` are.
 const VARIABLE: &str = "LTSC_TRUST";

@@ -32,7 +32,7 @@ const NEVER: &[(Family, &str, &str)] = &[];
 /// Files that scenes name, by the folder they lie in.
 const FILES: &[(&str, &[&str])] = &[
     (
-        "compiler/cli/conventions/images",
+        "renderers/evaluation/conventions/images",
         &[
             "colors.png",
             "edge.png",

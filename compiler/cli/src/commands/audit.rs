@@ -11,10 +11,10 @@ use ltsc_core::valid::Valid;
 use serde_json::{Value, json};
 
 use crate::args::{self, Format};
-use crate::disk::DiskFiles;
 use crate::output::{self, Exit, Failure, Located};
 use crate::project::{self, Project};
 use crate::terminal;
+use ltsc_evaluation::disk::DiskFiles;
 
 use super::shared::{CheckedFile, all_files_of, check, overrides, report};
 

@@ -17,10 +17,10 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use crate::args::{Build, Format};
-use crate::disk::{Changes, DiskSink, MANIFEST, Manifest, STAGING, Staging, left_over, unwritable};
 use crate::output::{self, Exit, Failure, Located};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
+use ltsc_evaluation::disk::{Changes, DiskSink, MANIFEST, Manifest, STAGING, Staging, left_over, unwritable};
 
 use super::shared::{CheckedFile, all_files_of, check, ledgers, losses, report, say_losses, set_for};
 

@@ -3,14 +3,14 @@
 use std::path::Path;
 
 use ltsc_core::files::Sink;
-use ltsc_render::compare::{CompareOptions, Comparison, compare, difference_png, to_text};
+use ltsc_evaluation::compare::{CompareOptions, Comparison, compare, difference_png, to_text};
 use ltsc_render::image::{Image, ImageError, laid, read_placed, reduce};
 use serde_json::json;
 
 use crate::args::{Diff, Format};
-use crate::disk::{DiskSink, unwritable};
 use crate::output::{Exit, Failure};
 use crate::terminal;
+use ltsc_evaluation::disk::{DiskSink, unwritable};
 
 pub fn run(command: &Diff) -> Result<Exit, Failure> {
     if command.tolerance.is_some_and(|tolerance| tolerance < 0.0 || !tolerance.is_finite()) {

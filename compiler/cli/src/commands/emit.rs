@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use ltsc_core::pipeline;
 
 use crate::args::{Build, Emit, Format};
-use crate::disk::{DiskSink, unwritable};
 use crate::output::{Exit, Failure};
 use crate::project;
 use crate::terminal;
+use ltsc_evaluation::disk::{DiskSink, unwritable};
 
 use super::shared::one;
 

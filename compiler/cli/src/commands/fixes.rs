@@ -13,9 +13,9 @@ use serde_json::Value;
 use similar::TextDiff;
 
 use crate::args;
-use crate::disk::{Changed, rewrite};
 use crate::output::{Exit, Failure};
 use crate::project::Project;
+use ltsc_evaluation::disk::{Changed, rewrite};
 
 use super::shared::{CheckedFile, check_changed, disk_of};
 

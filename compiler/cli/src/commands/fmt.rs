@@ -12,10 +12,10 @@ use rayon::prelude::*;
 use similar::TextDiff;
 
 use crate::args::{Fmt, Format};
-use crate::disk::{self, DiskFiles};
-use crate::output::{self, Exit, Failure, Located};
+use crate::output::{self, Exit, Failure, Located, show};
 use crate::project::{self, limits_with};
 use crate::terminal;
+use ltsc_evaluation::disk::{self, DiskFiles};
 
 use super::shared::files_of;
 
@@ -68,7 +68,7 @@ pub fn run(command: &Fmt) -> Result<Exit, Failure> {
     let nowhere: Arc<str> = "".into();
     let mut found: Vec<(Vec<Finding>, Sources, Arc<str>)> = Vec::new();
     let mut failed = |failure: Failure| {
-        let exit = if people { failure.show() } else { failure.exit };
+        let exit = if people { show(&failure) } else { failure.exit };
         if !people {
             found.push((vec![failure.into_finding()], Sources::default(), Arc::clone(&nowhere)));
         }

@@ -6,9 +6,9 @@ use ltsc_core::diag::nearest;
 use ltsc_core::manual::{self, PAGES};
 
 use crate::args::Manual;
-use crate::disk::Pages;
 use crate::output::{Exit, Failure};
 use crate::terminal;
+use ltsc_evaluation::disk::Pages;
 
 use super::conventions::measured_by;
 

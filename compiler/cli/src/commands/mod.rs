@@ -12,7 +12,6 @@ mod explain;
 mod fixes;
 mod fmt;
 mod init;
-mod job;
 mod lint;
 mod manual;
 mod render;
@@ -23,7 +22,7 @@ mod stats;
 mod users;
 
 use crate::args::{Arguments, Command, Format, RenderersAction};
-use crate::output::Exit;
+use crate::output::{Exit, print_failure, show};
 use crate::terminal;
 
 /// Runs the command.
@@ -49,8 +48,8 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Completions { shell } => completions::run(shell),
     };
     let exit = done.unwrap_or_else(|failure| {
-        failure.print(format);
-        failure.show()
+        print_failure(&failure, format);
+        show(&failure)
     });
     // A gate must not turn green because its answer could not be written.
     if terminal::output_failed() && exit == Exit::Done { Exit::Environment } else { exit }

@@ -11,26 +11,25 @@ use ltsc_render::cache::CachePaths;
 use ltsc_render::env::Env;
 use ltsc_render::guard::Folder;
 use ltsc_render::image::{Provenance, exr_bytes};
-use ltsc_render::run::{Driver, Progress, RenderError, RenderRequest, Rendered, driver, render};
+use ltsc_render::run::{Driver, Progress, RenderRequest, Rendered, render};
 use serde_json::json;
 
 use crate::args::{Format, Render};
-use crate::disk::{DiskSink, Log, check_log, unwritable, write_whole};
 use crate::output::{Exit, Failure};
-use crate::project;
 use crate::terminal::{self, Bar};
+use ltsc_evaluation::disk::{DiskSink, Log, check_log, unwritable, write_whole};
 
-use super::job::lacks;
 use super::shared::{One, one};
+use ltsc_evaluation::job::{driver_called, lacks, target_of};
 
 pub fn run(command: &Render) -> Result<Exit, Failure> {
-    let driver = find_driver(&command.renderer)?;
+    let driver = driver_called(&command.renderer)?;
     check_output(command)?;
     let scene = match one(&command.scene, &command.findings, &command.settings)? {
         Ok(scene) => scene,
         Err(exit) => return Ok(exit),
     };
-    let target = project::target(driver.target)?;
+    let target = target_of(driver);
     check_algorithm(driver, &scene.scene)?;
     let exit = scene.report(target, &command.findings, command.findings.format == Format::Json)?;
     if exit != Exit::Done {
@@ -88,25 +87,6 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// The driver called `name`.
-pub fn find_driver(name: &str) -> Result<&'static Driver, Failure> {
-    if name.contains(',') {
-        return Err(Failure::new(
-            Exit::Usage,
-            format!("`--renderer {name}` names several renderers, and one image comes from one"),
-        )
-        .help("render once for each, or compare them by `ltsc agree`"));
-    }
-    driver(name).ok_or_else(|| {
-        let known: Vec<&str> = ltsc_render::run::DRIVERS.iter().map(|driver| driver.name).collect();
-        let failure = Failure::new(Exit::Usage, format!("there is no renderer `{name}`"));
-        match ltsc_core::diag::nearest(name, known.iter().copied()) {
-            Some(similar) => failure.help(format!("did you mean `{similar}`?")),
-            None => failure.help(format!("known are {}", known.join(", "))),
-        }
-    })
-}
-
 /// Refuses what would be found out only after the rendering.
 fn check_output(command: &Render) -> Result<(), Failure> {
     let path = &command.output;
@@ -149,13 +129,13 @@ fn log_of(command: &Render) -> PathBuf {
 
 /// Refuses an algorithm that the renderer lacks: an image of another one would be taken for what was asked.
 fn check_algorithm(driver: &Driver, scene: &Scene) -> Result<(), Failure> {
-    if !lacks(driver, scene)? {
+    if !lacks(driver, scene) {
         return Ok(());
     }
     let (asked, _) = algorithm(&scene.integrator);
     let mut others = Vec::new();
     for other in ltsc_render::run::DRIVERS {
-        if !lacks(other, scene)? {
+        if !lacks(other, scene) {
             others.push(format!("`{}`", other.name));
         }
     }
@@ -204,25 +184,7 @@ fn watch(request: &RenderRequest, scene: &One) -> Result<Rendered, Failure> {
         Progress::Loaded { seconds: _ } => bar.say(&what),
     });
     bar.finish();
-    rendered.map_err(|error| failure(&error))
-}
-
-/// What becomes of a renderer that is missing or fails, with the places looked at or the end of its log.
-pub fn failure(error: &RenderError) -> Failure {
-    let mut message = error.to_string();
-    if !error.tail().is_empty() {
-        let head = if matches!(error, RenderError::NotFound { .. }) { "looked at:" } else { "the end of its log:" };
-        message.push('\n');
-        message.push_str(head);
-        for line in error.tail() {
-            message.push_str("\n    ");
-            message.push_str(line);
-        }
-    }
-    Failure {
-        help: Some(error.hint().to_owned()).filter(|hint| !hint.is_empty()),
-        ..Failure::new(Exit::Environment, message)
-    }
+    rendered.map_err(|error| Failure::of_renderer(&error))
 }
 
 fn provenance(command: &Render, driver: &Driver, scene: &One, rendered: &Rendered) -> Provenance {

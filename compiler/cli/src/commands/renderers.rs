@@ -1,5 +1,6 @@
 //! `ltsc renderers`: which renderers there are, and private installations of them.
 
+use ltsc_evaluation::job::driver_called;
 use ltsc_render::cache::CachePaths;
 use ltsc_render::env::Env;
 use ltsc_render::install::{InstallProgress, InstallRequest, Status, Step, install, status, uninstall};
@@ -11,8 +12,6 @@ use crate::output::{Exit, Failure};
 use crate::project::{FILE, Project};
 use crate::terminal::{self, Bar};
 use crate::trust;
-
-use super::render::find_driver;
 
 pub fn run(command: &Renderers) -> Result<Exit, Failure> {
     match &command.action {
@@ -129,7 +128,7 @@ fn advice(driver: &Driver) -> String {
 }
 
 fn install_all(names: &[String], force: bool) -> Result<Exit, Failure> {
-    let drivers = names.iter().map(|name| find_driver(name)).collect::<Result<Vec<_>, _>>()?;
+    let drivers = names.iter().map(|name| driver_called(name)).collect::<Result<Vec<_>, _>>()?;
     let env = Env::of_process();
     let cache = CachePaths::find(&env).ok_or_else(|| {
         Failure::new(Exit::Environment, "there is no cache folder: the system names no home")

@@ -17,10 +17,10 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 use crate::args::{self, Format};
-use crate::disk::{Changed, DiskFiles};
 use crate::output::{self, Exit, Failure, Located};
 use crate::project::{self, Project};
 use crate::terminal;
+use ltsc_evaluation::disk::{Changed, DiskFiles};
 
 /// Findings shown to people before the rest is only counted.
 const SHOWN: usize = 100;

@@ -9,10 +9,10 @@ use ltsc_core::similar::{Near, Nearness, Profile, rank};
 use serde_json::{Value, json};
 
 use crate::args::{Findings, Format, Similar};
-use crate::disk::Changed;
 use crate::output::{Exit, Failure};
 use crate::project::{self, Project};
 use crate::terminal;
+use ltsc_evaluation::disk::Changed;
 
 use super::shared::{check, check_each, disk_of, report};
 

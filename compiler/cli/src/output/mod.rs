@@ -5,9 +5,9 @@ mod located;
 mod sarif;
 
 use std::io::Write;
-use std::process::ExitCode;
 
-use ltsc_core::diag::{Finding, Origin, Severity};
+use ltsc_core::diag::{Finding, Severity};
+pub use ltsc_evaluation::failure::{Exit, Failure};
 use serde_json::{Value, json};
 
 use crate::args::Format;
@@ -15,102 +15,26 @@ use crate::terminal;
 
 pub use located::Located;
 
-/// What the process says when it ends; the numbers are part of the command line's contract.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Exit {
-    /// Done, or the answer is yes.
-    Done,
-    /// The answer is no.
-    No,
-    /// Wrong usage.
-    Usage,
-    /// Input unreadable or malformed.
-    Input,
-    /// A renderer or the environment is missing or failed.
-    Environment,
-    /// A fault of ltsc.
-    Fault,
-}
-
-impl From<Exit> for ExitCode {
-    fn from(exit: Exit) -> Self {
-        Self::from(exit.code())
+/// What programs read in place of the answer; nothing for forms that people read.
+pub fn print_failure(failure: &Failure, format: Format) {
+    match format {
+        Format::Json => {
+            let document = json!({ "error": { "message": failure.message, "help": failure.help } });
+            terminal::print(&format!("{document:#}\n"));
+        }
+        Format::Sarif => terminal::print(&format!("{:#}\n", sarif::failure(failure))),
+        Format::Github => terminal::print(&github::failure(failure)),
+        Format::Human | Format::Short => {}
     }
 }
 
-impl Exit {
-    /// The number.
-    pub fn code(self) -> u8 {
-        match self {
-            Self::Done => 0,
-            Self::No => 1,
-            Self::Usage => 2,
-            Self::Input => 3,
-            Self::Environment => 4,
-            Self::Fault => 70,
-        }
+/// Says what went wrong and gives the exit code.
+pub fn show(failure: &Failure) -> Exit {
+    terminal::error(&failure.message);
+    if let Some(help) = &failure.help {
+        terminal::help(help);
     }
-
-    /// The exit code that findings of this severity lead to.
-    pub fn of(severity: Severity) -> Self {
-        match severity {
-            Severity::Allow | Severity::Info | Severity::Warn => Self::Done,
-            Severity::Deny => Self::No,
-            Severity::Error => Self::Input,
-        }
-    }
-
-    /// The exit code that a finding leads to.
-    pub fn of_finding(finding: &Finding) -> Self {
-        if finding.id == ltsc_core::pipeline::FAULT { Self::Fault } else { Self::of(finding.severity) }
-    }
-}
-
-/// A command cannot go on; the message has been written to no one yet.
-#[derive(Debug)]
-pub struct Failure {
-    pub exit: Exit,
-    pub message: String,
-    pub help: Option<String>,
-}
-
-impl Failure {
-    pub fn new(exit: Exit, message: impl Into<String>) -> Self {
-        Self { exit, message: message.into(), help: None }
-    }
-
-    pub fn help(mut self, text: impl Into<String>) -> Self {
-        self.help = Some(text.into());
-        self
-    }
-
-    /// The same as a finding among others.
-    pub fn into_finding(self) -> Finding {
-        let id = if self.exit == Exit::Fault { ltsc_core::pipeline::FAULT } else { "unreadable-file" };
-        Finding { help: self.help, ..Finding::error(id, Origin::Made, self.message) }
-    }
-
-    /// What programs read in place of the answer; nothing for forms that people read.
-    pub fn print(&self, format: Format) {
-        match format {
-            Format::Json => {
-                let document = json!({ "error": { "message": self.message, "help": self.help } });
-                terminal::print(&format!("{document:#}\n"));
-            }
-            Format::Sarif => terminal::print(&format!("{:#}\n", sarif::failure(self))),
-            Format::Github => terminal::print(&github::failure(self)),
-            Format::Human | Format::Short => {}
-        }
-    }
-
-    /// Says what went wrong and gives the exit code.
-    pub fn show(&self) -> Exit {
-        terminal::error(&self.message);
-        if let Some(help) = &self.help {
-            terminal::help(help);
-        }
-        self.exit
-    }
+    failure.exit
 }
 
 /// "error" for what ends with an exit code of its own, "warning" and "info" for the rest.

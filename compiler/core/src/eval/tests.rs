@@ -30,7 +30,7 @@ fn evaluated(statements: &str) -> Evaluated {
         "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n\
          property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
     );
-    files.insert("sky.exr", include_bytes!("../../../cli/conventions/images/sky.exr"));
+    files.insert("sky.exr", include_bytes!("../../../../renderers/evaluation/conventions/images/sky.exr"));
     files.insert("textures/oak.png", include_bytes!("../../../../tests/cases/textures/quads.png"));
     files.insert("meshes/table.glb", include_bytes!("../../../../tests/cases/meshes/table.glb"));
     files.insert(

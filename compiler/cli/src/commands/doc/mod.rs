@@ -11,10 +11,10 @@ use ltsc_core::eval::Overrides;
 use ltsc_core::ir::Scene;
 
 use crate::args::{Doc, DocFormat, Format};
-use crate::disk::Pages;
 use crate::output::{Exit, Failure};
 use crate::project::Project;
 use crate::terminal;
+use ltsc_evaluation::disk::Pages;
 
 use super::shared::{CheckedFile, all_files_of, check, report};
 

@@ -8,20 +8,20 @@ use ltsc_core::catalogue::Pictures;
 use ltsc_core::eval::Overrides;
 use ltsc_core::ir::Scene;
 use ltsc_core::pipeline;
-use ltsc_render::compare::{CompareOptions, compare, difference_rgb8, png, relative_rgb8, shown_rgb8};
+use ltsc_evaluation::compare::{CompareOptions, compare, difference_rgb8, png, relative_rgb8, shown_rgb8};
 use ltsc_render::image::Image;
 use ltsc_render::regular;
 use ltsc_render::run::{Driver, Rendered, driver};
 use serde_json::json;
 
 use crate::args::Doc;
-use crate::disk::{Done, Pages};
 use crate::output::{Exit, Failure};
 use crate::project::Project;
 use crate::terminal::{self, Bar};
+use ltsc_evaluation::disk::{Done, Pages};
 
-use super::super::job::{Job, Runner, is_there, lacks};
 use super::super::shared::check;
+use ltsc_evaluation::job::{Job, Runner, lacks};
 
 /// The renderers that are compared, the reference first.
 const PAIR: [&str; 2] = ["mitsuba-3", "luxcore"];
@@ -59,7 +59,7 @@ pub fn render_all(command: &Doc, scenes: &Scenes<'_>, folder: &Path) -> Result<(
         let Some(driver) = driver(name) else { continue };
         let timeout = Duration::from_secs(command.timeout);
         let there = match scenes.values().next() {
-            Some((_, project, _)) => is_there(driver, project, timeout)?,
+            Some((_, project, _)) => Runner::find(driver, None, project.program(driver.name)?, Some(timeout)).is_ok(),
             None => false,
         };
         if there {
@@ -132,14 +132,14 @@ fn one(
         .map_err(|_| Failure::new(Exit::Input, format!("the scene `{}` cannot be rendered", scene.name)))?;
     let mut all: Vec<(&'static Driver, Rendered)> = Vec::new();
     for driver in drivers {
-        if lacks(driver, &small)? {
+        if lacks(driver, &small) {
             terminal::say(&format!("{}: {} lacks `{}`", scene.name, driver.name, small.integrator.word()));
             continue;
         }
         let what = format!("{} ({})", scene.name, driver.name);
         let mut bar = Bar::new(0, &what);
         let timeout = Some(Duration::from_secs(command.timeout));
-        let runner = Runner::find(driver, None, Some(project), timeout)?;
+        let runner = Runner::find(driver, None, project.program(driver.name)?, timeout)?;
         let job = Job::new(&small, &runner)?;
         let done = job.render(command.samples, small.sampler.seed(), &mut |_| bar.say(&what));
         bar.finish();
@@ -190,7 +190,7 @@ fn pictures_of(
     facts.push(("exposure of the pictures".to_owned(), format!("{stops:+.1} stops")));
     if let [(one, a), (other, b)] = rendered {
         let (a, b) = (&a.image, &b.image);
-        let different = |error: ltsc_render::compare::CompareError| Failure::new(Exit::Fault, error.to_string());
+        let different = |error: ltsc_evaluation::compare::CompareError| Failure::new(Exit::Fault, error.to_string());
         let signed = difference_rgb8(a, b, stops + STOPS).map_err(different)?;
         put(format!("difference, +{STOPS} stops"), "difference", a.width, a.height, &signed)?;
         let relative = relative_rgb8(a, b, RELATIVE_STOPS).map_err(different)?;

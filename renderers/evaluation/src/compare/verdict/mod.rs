@@ -1,0 +1,458 @@
+//! Whether renderers agree on a scene: a verdict on two lists of noisy images with three outcomes.
+//!
+//! **agree** is proved: in every tile and in the whole image, in each channel, the difference lies within the tolerance at a level
+//! of 5 % (two one-sided tests). **differ** is proved too: in some cell the difference is larger than the tolerance and larger than
+//! chance allows at a level of 0.5 % over all tests. Everything else is **undecided**, and says how many samples would decide. More
+//! noise never makes more agreement: a wider error takes away from both proofs.
+//!
+//! Cells are those of a grid of 8 by 8 tiles and of the same image cut 4, 2 and 1 times along each side. The error of a cell comes
+//! from the scatter of its pixels over the images, widened by the correlation between pixels (reconstruction filters, reuse of paths). No
+//! sample is clipped or left out as an outlier; instead each renderer is taken to have missed one event as large as the largest that
+//! either has seen nearby. Skewness is corrected as Hall (1992) does.
+
+mod normal;
+mod side;
+
+use serde::{Deserialize, Serialize};
+
+use super::CompareError;
+use ltsc_render::image::{Image, finite};
+use side::{Estimate, Noise, Side};
+
+/// Tiles along each side, and the coarser cuts.
+const GRIDS: [usize; 4] = [8, 4, 2, 1];
+
+/// The chance that two equal renderers are told apart, over all tests of a comparison.
+const FALSE_ALARM: f64 = 0.005;
+
+/// The deviate of the one-sided tests of agreement, 5 % each; since all must pass, nothing is corrected for their number.
+const ONE_SIDED: f64 = 1.644_854;
+
+/// Where a tile is darker than this share of the image, its tolerance is that of such a tile.
+const DARK: f64 = 0.1;
+
+/// A channel whose mean is below this share of the image's has its tolerance from the image's mean.
+const FAINT: f64 = 0.01;
+
+/// Pixels of the reference brighter than this many times its mean are left out: a light seen directly in a few pixels would
+/// otherwise make the mean (the pools of the lteval suite: six pixels change it by 41 %).
+const GLARE: f64 = 100.0;
+
+/// The largest deviate that is told; without noise every difference has it.
+const CERTAIN: f64 = 1e3;
+
+/// The largest factor on the samples that a prediction names.
+const FARTHEST: f64 = 1e4;
+
+/// Images of one renderer, rendered independently of each other.
+#[derive(Clone, Copy)]
+pub struct Rendered<'i> {
+    /// The images; a single one is taken to be free of noise.
+    pub images: &'i [Image],
+    /// Samples per pixel of each.
+    pub samples: f64,
+}
+
+/// Shares by which two renderers may differ and still agree.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Tolerance {
+    /// In each tile, and in cells of several tiles.
+    pub tiles: f64,
+    /// In the whole image.
+    pub whole: f64,
+}
+
+impl Default for Tolerance {
+    fn default() -> Self {
+        Self { tiles: 0.05, whole: 0.01 }
+    }
+}
+
+/// What is proved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Outcome {
+    /// They agree within the tolerance.
+    Agree,
+    /// They differ by more than the tolerance.
+    Differ,
+    /// Neither is proved.
+    Undecided,
+}
+
+impl Outcome {
+    /// The word that people read.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Agree => "agree",
+            Self::Differ => "differ",
+            Self::Undecided => "undecided",
+        }
+    }
+}
+
+/// The mean of a channel over the image.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Channel {
+    /// B / A; none where A is black.
+    pub ratio: Option<f64>,
+    /// Standard error of that ratio.
+    pub error: f64,
+}
+
+/// A place in a grid, and what it shows.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Cell {
+    /// Cells along each side of its grid: 8, 4, 2 or 1.
+    pub grid: usize,
+    /// Column and row from the upper left, beginning with 0.
+    pub at: (usize, usize),
+    /// 0 red, 1 green, 2 blue.
+    pub channel: usize,
+    /// B / A there; none where A is black.
+    pub ratio: Option<f64>,
+    /// The difference in standard errors, as a normal deviate.
+    pub z: f64,
+}
+
+/// How many samples per pixel would prove agreement if the two are equal.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Needed {
+    /// In one of two cases; none beyond ten thousand times those of B.
+    pub half: Option<f64>,
+    /// In nine of ten.
+    pub most: Option<f64>,
+    /// Column and row of the tile that needs them most; none for the whole image.
+    pub tile: Option<(usize, usize)>,
+}
+
+/// The verdict on two renderers.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// What is proved of the whole.
+    pub outcome: Outcome,
+    /// Within what.
+    pub tolerance: Tolerance,
+    /// Images of A and of B.
+    pub images: (usize, usize),
+    /// Red, green and blue over the whole image.
+    pub channels: [Channel; 3],
+    /// Of the tiles of the finest grid, row by row.
+    pub tiles: Vec<Outcome>,
+    /// Of all cells and channels the one that differs the most for its noise.
+    pub worst: Cell,
+    /// Cells and channels that differ by more than the tolerance and more than chance allows.
+    pub differing: usize,
+    /// Samples that would decide; none where it is decided.
+    pub needed: Option<Needed>,
+    /// Tiles that agree while their neighbors have rare bright samples that they have not met.
+    pub rare: usize,
+    /// Whether all of an image of A, of B goes up and down together.
+    pub together: (bool, bool),
+    /// Pixels left out for their brightness or for not being finite.
+    pub masked: usize,
+}
+
+/// A cell with both sides' estimates in one channel.
+struct Test {
+    cell: Cell,
+    a: Estimate,
+    b: Estimate,
+    /// What the tolerance is a share of.
+    scale: f64,
+    tolerance: f64,
+    /// Variance for proving agreement, and for proving a difference.
+    spread: (f64, f64),
+}
+
+impl Test {
+    fn difference(&self) -> f64 {
+        self.b.mean - self.a.mean
+    }
+
+    fn freedom(&self) -> f64 {
+        let (a, b) = (self.a.variance, self.b.variance);
+        if a + b <= 0.0 {
+            return f64::INFINITY;
+        }
+        (a + b).powi(2) / (a * a / self.a.freedom + b * b / self.b.freedom)
+    }
+
+    fn allowed(&self) -> f64 {
+        self.tolerance * self.scale
+    }
+
+    fn agrees(&self) -> bool {
+        let room = self.allowed() - self.difference().abs();
+        let spread = self.spread.0.sqrt();
+        if spread <= 0.0 { room >= 0.0 } else { normal::of_t(room / spread, self.freedom()) > ONE_SIDED }
+    }
+
+    /// The difference in standard errors, its skewness corrected, as a normal deviate.
+    fn deviate(&self) -> f64 {
+        let spread = self.spread.1.sqrt();
+        let t = self.difference() / spread.max(f64::MIN_POSITIVE);
+        if self.difference() == 0.0 || t.abs() > CERTAIN {
+            return t.clamp(-CERTAIN, CERTAIN);
+        }
+        let skew = ((self.b.third - self.a.third) / spread.powi(3)).clamp(-3.0, 3.0);
+        normal::of_t(t + skew * t * t / 3.0 + skew * skew * t.powi(3) / 27.0 + skew / 6.0, self.freedom())
+            .clamp(-CERTAIN, CERTAIN)
+    }
+
+    fn differs(&self, bound: f64) -> bool {
+        self.cell.z.abs() > bound && self.difference().abs() > self.allowed()
+    }
+
+    /// The chance that agreement is proved with `factor` times the samples, if the two are equal.
+    fn chance(&self, factor: f64) -> f64 {
+        let spread = self.spread.0.sqrt();
+        if spread <= 0.0 {
+            return 1.0;
+        }
+        (2.0 * normal::below(factor.sqrt() * self.allowed() / spread - ONE_SIDED) - 1.0).max(0.0)
+    }
+}
+
+/// Judges images of B against those of the reference A.
+///
+/// # Errors
+/// Refuses images of different sizes, an A without images or without light, and a B of fewer than 3 images, which tell too little of
+/// their noise (4 and more are better, 8 recommended).
+pub fn judge(a: Rendered<'_>, b: Rendered<'_>, tolerance: Tolerance) -> Result<Verdict, CompareError> {
+    let first = a.images.first().ok_or(CompareError::Empty)?;
+    for side in [a, b] {
+        let images = side.images.len();
+        // One image of A is a reference without noise.
+        if images < 3 && !(images == 1 && std::ptr::eq(side.images, a.images)) {
+            return Err(CompareError::Few { images });
+        }
+    }
+    if first.pixels.is_empty() {
+        return Err(CompareError::Empty);
+    }
+    let size = (first.width, first.height);
+    for other in a.images.iter().chain(b.images) {
+        if (other.width, other.height) != size {
+            return Err(CompareError::Size { a: size, b: (other.width, other.height) });
+        }
+    }
+    let mask = mask(a.images, b.images);
+    let masked = mask.iter().filter(|out| **out).count();
+    let grids = GRIDS.map(|grid| cells(size, grid, &mask));
+    let [tiles, quarters, _, whole] = &grids;
+    if whole[0].is_empty() {
+        return Err(CompareError::Empty);
+    }
+    let sides = [Side::of(a.images, a.samples), Side::of(b.images, b.samples)];
+    let noise = [0, 1].map(|at: usize| sides[at].noise(tiles, quarters, &whole[0]));
+    let tests = tests(&grids, [a, b], &sides, noise, tolerance)?;
+    let count = tests.len() as f64;
+    let bound = normal::exceeded((1.0 - (1.0 - FALSE_ALARM).powf(1.0 / count)) / 2.0);
+    Ok(verdict(
+        tests,
+        bound,
+        tolerance,
+        (a.images.len(), b.images.len()),
+        noise,
+        masked,
+        b.samples * b.images.len() as f64,
+    ))
+}
+
+/// All cells in all channels, the finest grid first.
+fn tests(
+    grids: &[Vec<Vec<usize>>; 4],
+    [a, b]: [Rendered<'_>; 2],
+    sides: &[Side; 2],
+    noise: [Noise; 2],
+    tolerance: Tolerance,
+) -> Result<Vec<Test>, CompareError> {
+    let of = |cell: &[usize], channel: usize, tile: bool| {
+        let one = sides[0].estimate(a.images, cell, channel, noise[0], tile);
+        (one, sides[1].estimate(b.images, cell, channel, noise[1], tile))
+    };
+    let whole = [0, 1, 2].map(|channel| of(&grids[3][0], channel, false));
+    let least = whole.map(|(a, b)| a.mean.min(b.mean));
+    let light = least.iter().sum::<f64>() / 3.0;
+    if whole.iter().all(|(a, _)| a.mean <= 0.0) {
+        return Err(CompareError::Empty);
+    }
+    // The energy of one sample, spread over all that a side has.
+    let shares: f64 =
+        sides.iter().map(|side| if side.is_exact() { 0.0 } else { (side.count * side.samples).powi(-2) }).sum();
+    let mut all = Vec::new();
+    for (grid, cells) in GRIDS.iter().zip(grids) {
+        let tile = *grid == GRIDS[0];
+        for (channel, least) in least.into_iter().enumerate() {
+            let estimates: Vec<Option<(Estimate, Estimate)>> =
+                cells.iter().map(|cell| (!cell.is_empty()).then(|| of(cell, channel, tile))).collect();
+            let event = |at: usize| estimates[at].map_or(0.0, |(a, b)| a.event.max(b.event));
+            for (at, (cell, estimate)) in cells.iter().zip(&estimates).enumerate() {
+                let Some((a, b)) = *estimate else { continue };
+                let own = event(at);
+                let around = if tile { own.max(fourth_around(at, *grid, &event)) } else { own };
+                let missed = |event: f64| (event / cell.len() as f64).powi(2) * shares;
+                let base = if least < FAINT * light { light } else { least };
+                let scale = a.mean.min(b.mean).max(DARK * base);
+                let variance = a.variance + b.variance;
+                let place = Cell {
+                    grid: *grid,
+                    at: (at % grid, at / grid),
+                    channel,
+                    ratio: (a.mean > 0.0).then(|| b.mean / a.mean),
+                    z: 0.0,
+                };
+                let mut test = Test {
+                    cell: place,
+                    a,
+                    b,
+                    scale,
+                    tolerance: if *grid == 1 { tolerance.whole } else { tolerance.tiles },
+                    spread: (variance + missed(own), variance + missed(around)),
+                };
+                test.cell.z = test.deviate();
+                all.push(test);
+            }
+        }
+    }
+    Ok(all)
+}
+
+fn verdict(
+    tests: Vec<Test>,
+    bound: f64,
+    tolerance: Tolerance,
+    images: (usize, usize),
+    noise: [Noise; 2],
+    masked: usize,
+    samples: f64,
+) -> Verdict {
+    let fine = GRIDS[0];
+    let of_tile = |tile: usize| {
+        tests.iter().filter(move |test| test.cell.grid == fine && test.cell.at == (tile % fine, tile / fine))
+    };
+    let tiles: Vec<Outcome> = (0..fine * fine)
+        .map(|tile| {
+            if of_tile(tile).all(Test::agrees) {
+                Outcome::Agree
+            } else if of_tile(tile).any(|test| test.differs(bound)) {
+                Outcome::Differ
+            } else {
+                Outcome::Undecided
+            }
+        })
+        .collect();
+    let whole: Vec<&Test> = tests.iter().filter(|test| test.cell.grid == 1).collect();
+    let differing = tests.iter().filter(|test| test.differs(bound)).count();
+    let outcome = if tiles.iter().all(|tile| *tile == Outcome::Agree) && whole.iter().all(|test| test.agrees()) {
+        Outcome::Agree
+    } else if differing > 0 {
+        Outcome::Differ
+    } else {
+        Outcome::Undecided
+    };
+    let rare = (0..fine * fine).filter(|tile| {
+        tiles[*tile] == Outcome::Agree && of_tile(*tile).any(|test| ONE_SIDED * test.spread.1.sqrt() > test.allowed())
+    });
+    let rare = rare.count();
+    // What is off by more than the tolerance comes before what is only sure to be off.
+    let rank = |test: &&Test| (test.differs(bound), test.cell.z.abs());
+    let worst =
+        tests.iter().max_by(|one, other| rank(one).partial_cmp(&rank(other)).unwrap_or(std::cmp::Ordering::Equal));
+    let channel = |channel: usize| {
+        let test = whole.iter().find(|test| test.cell.channel == channel);
+        test.map_or(Channel { ratio: None, error: 0.0 }, |test| {
+            let ratio = test.cell.ratio;
+            let share = ratio.unwrap_or(0.0);
+            let error = (test.a.variance * share * share + test.b.variance).sqrt() / test.a.mean.max(f64::MIN_POSITIVE);
+            Channel { ratio, error: if ratio.is_some() { error } else { 0.0 } }
+        })
+    };
+    Verdict {
+        outcome,
+        tolerance,
+        images,
+        channels: [0, 1, 2].map(channel),
+        worst: worst.map_or(Cell { grid: 1, at: (0, 0), channel: 0, ratio: None, z: 0.0 }, |test| test.cell),
+        differing,
+        needed: (outcome == Outcome::Undecided).then(|| needed(&tests, samples)),
+        rare,
+        together: (noise[0].together, noise[1].together),
+        tiles,
+        masked,
+    }
+}
+
+/// How many samples prove agreement if the two are equal; `samples` are those that B has in all.
+fn needed(tests: &[Test], samples: f64) -> Needed {
+    let must: Vec<&Test> = tests.iter().filter(|test| matches!(test.cell.grid, 1 | 8)).collect();
+    // Of each cell the channel that is the least sure decides.
+    let chances = |factor: f64| {
+        let mut all = std::collections::BTreeMap::new();
+        for test in &must {
+            let chance = test.chance(factor);
+            let least: &mut f64 = all.entry((test.cell.grid, test.cell.at)).or_insert(1.0);
+            *least = least.min(chance);
+        }
+        all
+    };
+    let together = |factor: f64| chances(factor).values().product::<f64>();
+    let factor = |wanted: f64| {
+        if together(FARTHEST) < wanted {
+            return None;
+        }
+        let (mut low, mut high) = (1.0_f64.recip() / FARTHEST, FARTHEST);
+        for _ in 0..60 {
+            let middle = (low * high).sqrt();
+            if together(middle) < wanted { low = middle } else { high = middle }
+        }
+        Some(high)
+    };
+    let (half, most) = (factor(0.5), factor(0.9));
+    let least = chances(half.unwrap_or(FARTHEST)).into_iter().min_by(|one, other| one.1.total_cmp(&other.1));
+    let tile = least.and_then(|((grid, at), _)| (grid == GRIDS[0]).then_some(at));
+    Needed { half: half.map(|factor| factor * samples), most: most.map(|factor| factor * samples), tile }
+}
+
+/// The fourth largest value among a tile and its eight neighbors, those beyond the edge repeating the edge.
+fn fourth_around(at: usize, grid: usize, value: &impl Fn(usize) -> f64) -> f64 {
+    let (x, y) = ((at % grid) as isize, (at / grid) as isize);
+    let inside = |place: isize| place.clamp(0, grid as isize - 1) as usize;
+    let mut around: Vec<f64> = (-1..=1)
+        .flat_map(|row| (-1..=1).map(move |column| (row, column)))
+        .map(|(row, column)| value(inside(y + row) * grid + inside(x + column)))
+        .collect();
+    around.sort_by(|one, other| other.total_cmp(one));
+    around[3]
+}
+
+/// The pixels of each cell, without those that are left out. Images with fewer pixels than cells have empty ones.
+fn cells((width, height): (usize, usize), grid: usize, mask: &[bool]) -> Vec<Vec<usize>> {
+    let range = |at: usize, size: usize| at * size / grid..(at + 1) * size / grid;
+    let cell = |at: usize| {
+        let rows = range(at / grid, height);
+        rows.flat_map(|y| range(at % grid, width).map(move |x| y * width + x)).filter(|at| !mask[*at]).collect()
+    };
+    (0..grid * grid).map(cell).collect()
+}
+
+/// Which pixels are left out: those that are not finite in some image, and glare of the reference.
+fn mask(a: &[Image], b: &[Image]) -> Vec<bool> {
+    let mut out: Vec<bool> =
+        (0..a[0].pixels.len()).map(|at| a.iter().chain(b).any(|image| !finite(&image.pixels[at]))).collect();
+    let light = |at: usize| {
+        let sum: f64 = a.iter().map(|image| image.pixels[at].iter().map(|value| f64::from(*value)).sum::<f64>()).sum();
+        sum / a.len() as f64
+    };
+    let kept: Vec<(usize, f64)> = (0..out.len()).filter(|at| !out[*at]).map(|at| (at, light(at))).collect();
+    let mean = kept.iter().map(|(_, light)| light).sum::<f64>() / kept.len().max(1) as f64;
+    for (at, light) in kept {
+        out[at] = light > GLARE * mean;
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,160 @@
+//! One image of a scene by a renderer: emitted into a folder of its own, read back, rendered. The same for every command that
+//! renders scenes of its own accord, and known by its content: what was written for the renderer, and how it is asked to render.
+
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+use ltsc_core::capability::{Support, algorithm};
+use ltsc_core::formats::{self, Choices, Target};
+use ltsc_core::ir::Scene;
+use ltsc_core::ledger::{self, Ledger};
+use ltsc_core::pipeline;
+use ltsc_core::valid::Valid;
+use ltsc_render::cache::CachePaths;
+use ltsc_render::env::Env;
+use ltsc_render::guard::Folder;
+use ltsc_render::run::{
+    DRIVERS, Driver, Found, Progress, RenderError, RenderRequest, Rendered, Search, driver, find, render,
+};
+
+use crate::disk::{DiskSink, unwritable};
+use crate::failure::{Exit, Failure};
+
+/// A renderer that is there, and how it is to be run.
+pub struct Runner {
+    /// The driver.
+    pub driver: &'static Driver,
+    /// Its program.
+    pub found: Found,
+    /// All processors if none.
+    pub threads: Option<usize>,
+    /// The longest time for one image.
+    pub timeout: Option<Duration>,
+    /// The environment in which it runs.
+    pub env: Env,
+    /// Where installations are.
+    pub cache: Option<CachePaths>,
+}
+
+/// The driver called `name`.
+///
+/// # Errors
+/// Usage, with the nearest name.
+pub fn driver_called(name: &str) -> Result<&'static Driver, Failure> {
+    if name.contains(',') {
+        return Err(Failure::new(
+            Exit::Usage,
+            format!("`--renderer {name}` names several renderers, and one image comes from one"),
+        )
+        .help("render once for each, or compare them by `ltsc agree`"));
+    }
+    driver(name).ok_or_else(|| {
+        let known: Vec<&str> = DRIVERS.iter().map(|driver| driver.name).collect();
+        let failure = Failure::new(Exit::Usage, format!("there is no renderer `{name}`"));
+        match ltsc_core::diag::nearest(name, known.iter().copied()) {
+            Some(similar) => failure.help(format!("did you mean `{similar}`?")),
+            None => failure.help(format!("known are {}", known.join(", "))),
+        }
+    })
+}
+
+/// The target whose files a renderer reads.
+#[must_use]
+pub fn target_of(driver: &Driver) -> &'static Target {
+    // A test compares the tables.
+    formats::find(driver.target).unwrap_or_else(|| unreachable!("{} reads no target", driver.name))
+}
+
+/// Whether the renderer lacks the algorithm that the scene asks for.
+#[must_use]
+pub fn lacks(driver: &Driver, scene: &Scene) -> bool {
+    matches!((target_of(driver).supports)(algorithm(&scene.integrator).0), Support::Unsupported { why: _ })
+}
+
+impl Runner {
+    /// Finds the renderer: what is `given`, what is `configured`, an installation, or one on the path.
+    /// It answers within `timeout`, which each image also has.
+    ///
+    /// # Errors
+    /// Where none is there, or what is named is none.
+    pub fn find(
+        driver: &'static Driver,
+        given: Option<&Path>,
+        configured: Option<&Path>,
+        timeout: Option<Duration>,
+    ) -> Result<Self, Failure> {
+        let env = Env::of_process();
+        let cache = CachePaths::find(&env);
+        let until = timeout.map(|timeout| Instant::now() + timeout);
+        let search = Search { env: &env, cache: cache.as_ref(), given, configured, until };
+        let found = find(driver, &search).map_err(|error| Failure::of_renderer(&error))?;
+        Ok(Self { driver, found, threads: None, timeout, env, cache })
+    }
+}
+
+/// A scene as it was written for a renderer, in a folder that goes with it.
+pub struct Job<'r> {
+    runner: &'r Runner,
+    work: Folder,
+    scene: String,
+    size: (usize, usize),
+    /// Of everything that was written for the renderer.
+    content: blake3::Hash,
+}
+
+impl<'r> Job<'r> {
+    /// Emits the scene, seen by its first camera, and reads it back; a file that says something else than the scene is refused.
+    ///
+    /// # Errors
+    /// Where no folder can be written, or what was written is wrong.
+    pub fn new(scene: &Valid, runner: &'r Runner) -> Result<Self, Failure> {
+        let target = target_of(runner.driver);
+        let failed = |error: std::io::Error| Failure::new(Exit::Environment, format!("no temporary folder: {error}"));
+        let work = Folder::new().map_err(failed)?;
+        let camera = pipeline::camera(scene, None)
+            .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
+        let failed = |error: std::io::Error| unwritable(work.path(), &error);
+        let mut sink = DiskSink::own(work.path(), &scene.name);
+        pipeline::emit_alone(scene, camera, target, &Ledger::of(scene, target, &[]), &Choices::default(), &mut sink)
+            .map_err(failed)?;
+        if let Some(wrong) = pipeline::audit(scene, camera, &[target], &sink, |_| String::new()).findings().next() {
+            let message = format!("{}: {} for {}", scene.name, wrong.message, target.name);
+            return Err(Failure::new(Exit::Fault, message)
+                .help("ltsc wrote something else than the scene says: please report it with the scene"));
+        }
+        // The ledger is for people.
+        let content = sink.content(|path| path != ledger::FILE);
+        sink.finish().map_err(failed)?;
+        let size = (scene.film.width as usize, scene.film.height as usize);
+        Ok(Self { runner, work, scene: scene.name.clone(), size, content })
+    }
+
+    /// A hash of everything that decides how the image looks: files, renderer, version, samples and seed.
+    pub fn key(&self, samples: u32, seed: u32) -> String {
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(self.content.as_bytes());
+        let Runner { driver, found, .. } = self.runner;
+        hasher.update(format!("{} {:?} {samples} {seed}", driver.name, found.version).as_bytes());
+        hasher.finalize().to_hex().to_string()
+    }
+
+    /// Renders it.
+    ///
+    /// # Errors
+    /// What the renderer says.
+    pub fn render(&self, samples: u32, seed: u32, progress: &mut dyn FnMut(Progress)) -> Result<Rendered, RenderError> {
+        let Runner { driver, found, threads, timeout, env, cache } = self.runner;
+        let request = RenderRequest {
+            executable: Some(found.path.clone()),
+            env: env.clone(),
+            cache: cache.clone(),
+            main_file: driver.main_file.replace("SCENE", &self.scene),
+            samples,
+            seed,
+            threads: *threads,
+            timeout: *timeout,
+            ..RenderRequest::new(driver, self.work.path().to_path_buf(), self.size, self.work.path().join("log"))
+        };
+        render(&request, &mut |news| progress(news))
+    }
+}
