@@ -6,6 +6,7 @@
 //! no terminal.
 
 pub mod agree;
+pub mod chunk;
 pub mod compare;
 pub mod conventions;
 pub mod disk;

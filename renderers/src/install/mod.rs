@@ -314,7 +314,7 @@ impl Site<'_> {
         });
         // Anything that stays is deleted with the folder.
         let _ = fs::remove_dir_all(&scratch);
-        match end.map_err(InstallError::io(&program))? {
+        match end.map_err(InstallError::io(&program))?.0 {
             End::Exited(status) if status.success() => Ok(()),
             End::Exited(status) => Err(InstallError::Step {
                 driver: self.request.driver,

@@ -33,6 +33,7 @@ use crate::image::Image;
 pub use error::{Failure, RenderError};
 pub(crate) use find::on_path as find_on_path;
 pub use find::{Found, Search, Source, find};
+pub use process::Usage;
 pub use render::render;
 
 /// A program that is asked for its version, and until when it may take to answer.
@@ -270,6 +271,8 @@ pub struct Rendered {
     pub executable: PathBuf,
     /// The whole output of the renderer.
     pub log_path: PathBuf,
+    /// What the renderer took.
+    pub usage: Usage,
     /// What else there is to know of the image, by name; it goes into the provenance.
     pub facts: Vec<(String, String)>,
 }

@@ -2,25 +2,21 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ltsc_core::capability::algorithm;
 use ltsc_core::ir::Scene;
-use ltsc_core::pipeline;
-use ltsc_render::cache::CachePaths;
-use ltsc_render::env::Env;
-use ltsc_render::guard::Folder;
 use ltsc_render::image::{Provenance, exr_bytes};
-use ltsc_render::run::{Driver, Progress, RenderRequest, Rendered, render};
+use ltsc_render::run::{Driver, Progress, Rendered};
 use serde_json::json;
 
 use crate::args::{Format, Render};
 use crate::output::{Exit, Failure};
 use crate::terminal::{self, Bar};
-use ltsc_evaluation::disk::{DiskSink, Log, check_log, unwritable, write_whole};
+use ltsc_evaluation::disk::{Log, check_log, unwritable, write_whole};
 
 use super::shared::{One, one};
-use ltsc_evaluation::job::{driver_called, lacks, target_of};
+use ltsc_evaluation::job::{Job, Runner, Writing, driver_called, lacks, target_of};
 
 pub fn run(command: &Render) -> Result<Exit, Failure> {
     let driver = driver_called(&command.renderer)?;
@@ -35,24 +31,13 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
     if exit != Exit::Done {
         return Ok(exit);
     }
-    let work = Folder::new()
-        .map_err(|error| Failure::new(Exit::Environment, format!("no temporary folder can be made: {error}")))?;
-    let failed = |error: std::io::Error| unwritable(work.path(), &error);
-    let mut sink = DiskSink::own(work.path(), &scene.scene.name);
-    pipeline::emit_alone(&scene.scene, scene.camera, target, &scene.ledger(target), &scene.project.choices, &mut sink)
-        .map_err(failed)?;
-    if let Some(exit) = scene.audited(target, &sink, command.findings.format) {
-        return Ok(exit);
-    }
-    sink.finish().map_err(failed)?;
-    let executable = match &command.executable {
-        Some(given) => Some(given.clone()),
-        None => scene.project.program(driver.name)?.map(Path::to_path_buf),
-    };
+    let runner = runner(command, driver, &scene)?;
+    let ledger = scene.ledger(target);
+    let writing = Writing { camera: Some(scene.camera), choices: scene.project.choices.clone(), ledger: Some(&ledger) };
+    let job = Job::written(&scene.scene, &runner, &writing)?;
     let log = log_of(command);
-    let request = request(command, driver, &scene, (executable, work.path(), &log));
     let whole = Log::begin(&log, command.force)?;
-    let rendered = watch(&request, &scene)?;
+    let rendered = watch(&job, &scene, &log)?;
     drop(whole);
     let provenance = provenance(command, driver, &scene, &rendered);
     let bytes = exr_bytes(&command.output, &rendered.image, &provenance)
@@ -150,35 +135,23 @@ fn check_algorithm(driver: &Driver, scene: &Scene) -> Result<(), Failure> {
     }))
 }
 
-fn request(
-    command: &Render,
-    driver: &'static Driver,
-    scene: &One,
-    (executable, folder, log): (Option<PathBuf>, &Path, &Path),
-) -> RenderRequest {
-    let film = &scene.scene.film;
-    let (samples, seed) = (scene.scene.sampler.samples(), scene.scene.sampler.seed());
-    let env = Env::of_process();
-    let cache = CachePaths::find(&env);
-    let size = (film.width as usize, film.height as usize);
-    RenderRequest {
-        executable,
-        env,
-        cache,
-        main_file: driver.main_file.replace("SCENE", &scene.scene.name),
-        samples,
-        seed,
-        threads: command.threads.map(|threads| threads as usize),
-        timeout: command.timeout.map(Duration::from_secs),
-        ..RenderRequest::new(driver, folder.to_path_buf(), size, log.to_path_buf())
-    }
+/// The renderer, which answers and renders within the time that is given.
+fn runner(command: &Render, driver: &'static Driver, scene: &One) -> Result<Runner, Failure> {
+    let given = command.executable.as_deref();
+    let configured = if given.is_none() { scene.project.program(driver.name)? } else { None };
+    let begun = Instant::now();
+    let timeout = command.timeout.map(Duration::from_secs);
+    let found = Runner::find(driver, given, configured, timeout)?;
+    let left = timeout.map(|timeout| timeout.saturating_sub(begun.elapsed()));
+    Ok(Runner { threads: command.threads.map(|threads| threads as usize), timeout: left, ..found })
 }
 
 /// Renders under a progress bar.
-fn watch(request: &RenderRequest, scene: &One) -> Result<Rendered, Failure> {
-    let what = format!("{} ({})", scene.scene.name, request.driver.name);
-    let mut bar = Bar::new(u64::from(request.samples), &what);
-    let rendered = render(request, &mut |progress| match progress {
+fn watch(job: &Job<'_>, scene: &One, log: &Path) -> Result<Rendered, Failure> {
+    let what = format!("{} ({})", scene.scene.name, job.runner().driver.name);
+    let (samples, seed) = (scene.scene.sampler.samples(), scene.scene.sampler.seed());
+    let mut bar = Bar::new(u64::from(samples), &what);
+    let rendered = job.render_logged(samples, seed, log, &mut |progress| match progress {
         Progress::Samples { done, total: _, seconds: _ } => bar.set(done),
         Progress::Started { version } => bar.say(&format!("{what} {version}")),
         Progress::Loaded { seconds: _ } => bar.say(&what),

@@ -1,0 +1,92 @@
+//! Images in pieces: a rendering of many samples is the mean of several renderings of few, each with a seed of its own.
+//!
+//! A chunk is known by its content: the files that were written for the renderer, the renderer and its version, samples and seed. What
+//! was rendered once is not rendered again, whoever asks: a killed run goes on where it stopped, and more samples need only what is not
+//! there yet. Their scatter tells the error of the mean.
+
+mod facts;
+mod store;
+
+pub use facts::{Facts, Machine};
+pub use store::{Entry, Store, Summary};
+
+use ltsc_render::run::Driver;
+
+/// The fewest chunks of an image whose error is to be told.
+pub const LEAST: u64 = 8;
+
+/// How the samples of an image are divided.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// Samples per pixel of each chunk.
+    pub samples: u32,
+    /// How many there are.
+    pub count: u32,
+}
+
+impl Plan {
+    /// At least `samples` per pixel, in chunks whose size depends on nothing else, so that more samples later are some chunks more: 1024
+    /// samples from 8192 on, 16 times as many for each factor of 16 from there on, 64 below, and fewer where there would be less than
+    /// eight chunks.
+    #[must_use]
+    pub fn of(samples: u64) -> Self {
+        let samples = samples.max(1);
+        let mut size: u64 = 64;
+        while samples >= size * 16 * LEAST {
+            size *= 16;
+        }
+        while size > 1 && samples < size * LEAST {
+            size /= 2;
+        }
+        Self::with(samples, u32::try_from(size).unwrap_or(u32::MAX))
+    }
+
+    /// At least `samples` per pixel in chunks of `size`.
+    #[must_use]
+    pub fn with(samples: u64, size: u32) -> Self {
+        let size = size.max(1);
+        let count = samples.max(1).div_ceil(u64::from(size));
+        Self { samples: size, count: u32::try_from(count).unwrap_or(u32::MAX) }
+    }
+
+    /// Samples per pixel in all.
+    #[must_use]
+    pub fn total(self) -> u64 {
+        u64::from(self.samples) * u64::from(self.count)
+    }
+
+    /// One chunk of all samples, for renderers without seeds: their error cannot be told.
+    #[must_use]
+    pub fn whole(samples: u64) -> Self {
+        Self { samples: u32::try_from(samples.max(1)).unwrap_or(u32::MAX), count: 1 }
+    }
+}
+
+/// Whether a renderer has seeds for any scene, so that it renders independent chunks.
+#[must_use]
+pub fn has_seeds(driver: &Driver) -> bool {
+    !driver.name.starts_with("mitsuba-0")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn plans_have_enough_chunks_and_grow_by_chunks() {
+        let of = |samples| (Plan::of(samples).samples, Plan::of(samples).count);
+        assert_eq!(
+            [1, 8, 16, 100, 512, 1024, 4096, 8192, 100_000, 131_072].map(of),
+            [(1, 1), (1, 8), (2, 8), (8, 13), (64, 8), (64, 16), (64, 64), (1024, 8), (1024, 98), (16_384, 8)]
+        );
+    }
+
+    #[test]
+    fn a_plan_has_all_the_samples_and_eight_chunks_where_there_are_eight_samples() {
+        for samples in (1..5000).chain((5000..10_000_000).step_by(4999)) {
+            let plan = Plan::of(samples);
+            assert!(plan.total() >= samples && plan.total() < samples + u64::from(plan.samples), "{samples}: {plan:?}");
+            assert!(plan.count <= 129 && (samples < LEAST || u64::from(plan.count) >= LEAST), "{samples}: {plan:?}");
+        }
+    }
+}
