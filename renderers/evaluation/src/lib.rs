@@ -10,6 +10,7 @@ pub mod chunk;
 pub mod compare;
 pub mod conventions;
 pub mod disk;
+pub mod executor;
 pub mod failure;
 pub mod job;
 pub mod watch;

@@ -4,9 +4,11 @@
 //! was rendered once is not rendered again, whoever asks: a killed run goes on where it stopped, and more samples need only what is not
 //! there yet. Their scatter tells the error of the mean.
 
+mod combine;
 mod facts;
 mod store;
 
+pub use combine::{Chunks, Cost, VARIANCE, write};
 pub use facts::{Facts, Machine};
 pub use store::{Entry, Store, Summary};
 

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use ltsc_render::cache::CachePaths;
-use ltsc_render::image::{Provenance, exr_bytes, read};
+use ltsc_render::image::{Provenance, exr_bytes};
 
 use super::facts::{Facts, load};
 use crate::disk::{unwritable, write_whole};
@@ -88,20 +88,7 @@ impl Store {
         self.path(identity, samples, seed).is_file()
     }
 
-    /// What is known of a chunk that is there.
-    ///
-    /// # Errors
-    /// If its file is damaged.
-    pub fn facts(&self, identity: &str, samples: u32, seed: u32) -> Result<Facts, Failure> {
-        let path = self.path(identity, samples, seed);
-        let (_, attributes) = read(&path).map_err(|error| {
-            Failure::new(Exit::Environment, error.to_string())
-                .help(format!("remove {}: it is rendered again", path.display()))
-        })?;
-        Ok(Facts::read(&Provenance::from_attributes(&attributes)))
-    }
-
-    /// Renders a chunk that is not there, and tells whether it was rendered now. Another process that renders the same one is waited for.
+    /// Renders a chunk that is not there, and tells how, or nothing if it is there. Another process that renders the same one is waited for.
     ///
     /// # Errors
     /// What the renderer says, or the disk.
@@ -110,15 +97,15 @@ impl Store {
         job: &Job<'_>,
         (samples, seed): (u32, u32),
         watch: &mut dyn FnMut(Progress),
-    ) -> Result<bool, Failure> {
+    ) -> Result<Option<Facts>, Failure> {
         let identity = job.identity();
         let path = self.path(&identity, samples, seed);
         if path.is_file() {
-            return Ok(false);
+            return Ok(None);
         }
         let _lock = self.lock(&job.key(samples, seed)).map_err(|error| unwritable(&self.root, &error))?;
         if path.is_file() {
-            return Ok(false);
+            return Ok(None);
         }
         let load = load();
         let rendered = job.render(samples, seed, watch).map_err(|error| Failure::of_renderer(&error))?;
@@ -141,7 +128,7 @@ impl Store {
         fs::create_dir_all(folder)
             .and_then(|()| write_whole(&path, &mut |out| out.write_all(&bytes)))
             .map_err(|error| unwritable(&self.root, &error))?;
-        Ok(true)
+        Ok(Some(facts))
     }
 
     /// Holds the lock of a chunk, which the system lets go when the process ends, however it does. The files of locks stay: another
