@@ -126,6 +126,14 @@ pub enum Command {
     Agree(Agree),
     /// List and install renderers.
     Renderers(Renderers),
+    /// Show what the user's cache holds, and remove what is old: renderings in chunks, and installations.
+    ///
+    /// Images that `eval`, and `render` with many samples, take apart into chunks are kept there by what was rendered, so that nothing is
+    /// rendered twice. All of it can be made again. The folder is $LTSC_CACHE, else the cache folder of the user.
+    #[command(
+        after_help = "Examples:\n  ltsc cache\n  ltsc cache prune --days 30\n  ltsc cache prune --days 0   (all chunks)"
+    )]
+    Cache(Cache),
     /// Test a renderer's conventions with micro-scenes of known answers.
     ///
     /// Each tests one convention: the axis of the field of view, the side that a lamp shines from, how the depth of paths is counted,
@@ -528,6 +536,25 @@ pub enum RenderersAction {
         /// Install again, even where the pinned version is there.
         #[arg(long)]
         force: bool,
+    },
+}
+
+#[derive(Args, Debug)]
+pub struct Cache {
+    #[command(subcommand)]
+    pub action: Option<CacheAction>,
+    /// How it is printed; `sarif` and `github`, which are for findings, give the form for people.
+    #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT", global = true)]
+    pub format: Format,
+}
+
+#[derive(Subcommand, Debug)]
+pub enum CacheAction {
+    /// Remove the chunks of images of which none was rendered for some days; installations stay.
+    Prune {
+        /// How many days.
+        #[arg(long, value_name = "N", default_value_t = 30)]
+        days: u64,
     },
 }
 

@@ -3,6 +3,7 @@
 mod agree;
 mod audit;
 mod build;
+mod cache;
 mod completions;
 mod conventions;
 mod diff;
@@ -41,6 +42,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Diff(command) => diff::run(&command),
         Command::Agree(command) => agree::run(&command),
         Command::Renderers(command) => renderers::run(&command),
+        Command::Cache(command) => cache::run(&command),
         Command::Conventions(command) => conventions::run(&command),
         Command::Explain(command) => explain::run(&command),
         Command::Doc(command) => doc::run(&command),
@@ -68,6 +70,7 @@ fn format_of(command: &Command) -> Format {
         Command::Diff(command) => command.format,
         Command::Conventions(command) => command.format,
         Command::Agree(command) => command.format,
+        Command::Cache(command) => command.format,
         Command::Renderers(command) => match command.action {
             RenderersAction::List { format } => format,
             RenderersAction::Install { .. } | RenderersAction::Trust => Format::Human,

@@ -57,6 +57,16 @@ impl Drop for Log {
     }
 }
 
+/// Adds to a log that is being written.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn append(path: &Path, write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut out = io::BufWriter::new(fs::File::options().append(true).open(path)?);
+    write(&mut out)?;
+    out.flush()
+}
+
 /// Adds the last line.
 fn end(path: &Path) {
     if is_whole(path) {

@@ -13,7 +13,7 @@ mod staging;
 #[cfg(test)]
 mod tests;
 
-pub use log::{Log, check as check_log};
+pub use log::{Log, append, check as check_log};
 pub use manifest::{MANIFEST, Manifest};
 pub use notice::show_by;
 pub use pages::{Done, Pages, not_ours};
