@@ -162,7 +162,7 @@ fn one(asked: &Asked, command: &Fmt) -> Result<Done, Failure> {
         && !command.diff
     {
         let written = disk::rewrite(file, &project::around(file), after.as_bytes());
-        written.map_err(|error| Failure::new(Exit::Environment, format!("{name} cannot be written: {error}")))?;
+        written.map_err(|error| disk::unwritable(file, &error))?;
     }
     Ok(done)
 }

@@ -5,6 +5,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use crate::args::Init;
+use crate::disk::unwritable;
 use crate::output::{Exit, Failure};
 use crate::project::FILE;
 use crate::terminal;
@@ -36,9 +37,7 @@ pub fn run(command: &Init) -> Result<Exit, Failure> {
                 .help("choose another folder: `ltsc init FOLDER`"));
         }
     }
-    let failed = |path: &Path, error: io::Error| {
-        Failure::new(Exit::Environment, format!("{} cannot be written: {error}", path.display()))
-    };
+    let failed = |path: &Path, error: io::Error| unwritable(path, &error);
     let parent = scene.parent().unwrap_or(&folder);
     fs::create_dir_all(parent).map_err(|error| failed(parent, error))?;
     for (path, text) in [(&scene, SCENE), (&project, PROJECT)] {

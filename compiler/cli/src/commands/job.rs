@@ -15,7 +15,7 @@ use ltsc_render::env::Env;
 use ltsc_render::guard::Folder;
 use ltsc_render::run::{Driver, Found, Progress, RenderError, RenderRequest, Rendered, Search, find, render};
 
-use crate::disk::{DiskSink, unwritable};
+use crate::disk::{DiskSink, no_temporary, unwritable};
 use crate::output::{Exit, Failure};
 use crate::project::{self, Project};
 
@@ -81,8 +81,7 @@ impl<'r> Job<'r> {
     /// Emits the scene, seen by its first camera, and reads it back; a file that says something else than the scene is refused.
     pub fn new(scene: &Valid, runner: &'r Runner) -> Result<Self, Failure> {
         let target = project::target(runner.driver.target)?;
-        let failed = |error: std::io::Error| Failure::new(Exit::Environment, format!("no temporary folder: {error}"));
-        let work = Folder::new().map_err(failed)?;
+        let work = Folder::new().map_err(|error| no_temporary(&error))?;
         let camera = pipeline::camera(scene, None)
             .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
         let failed = |error: std::io::Error| unwritable(work.path(), &error);

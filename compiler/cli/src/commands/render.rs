@@ -15,7 +15,7 @@ use ltsc_render::run::{Driver, Progress, RenderError, RenderRequest, Rendered, d
 use serde_json::json;
 
 use crate::args::{Format, Render};
-use crate::disk::{DiskSink, Log, check_log, unwritable, write_whole};
+use crate::disk::{DiskSink, Log, check_log, no_temporary, probe_file, unwritable, write_whole};
 use crate::output::{Exit, Failure};
 use crate::project;
 use crate::terminal::{self, Bar};
@@ -36,8 +36,7 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
     if exit != Exit::Done {
         return Ok(exit);
     }
-    let work = Folder::new()
-        .map_err(|error| Failure::new(Exit::Environment, format!("no temporary folder can be made: {error}")))?;
+    let work = Folder::new().map_err(|error| no_temporary(&error))?;
     let failed = |error: std::io::Error| unwritable(work.path(), &error);
     let mut sink = DiskSink::own(work.path(), &scene.scene.name);
     pipeline::emit_alone(&scene.scene, scene.camera, target, &scene.ledger(target), &scene.project.choices, &mut sink)
@@ -122,18 +121,14 @@ fn check_output(command: &Render) -> Result<(), Failure> {
     }
     // It may have taken hours, with more samples than now.
     match std::fs::symlink_metadata(path) {
-        Ok(meta) if meta.is_dir() => return Err(usage(format!("{} is a folder", path.display()))),
-        Ok(_) if !command.force => {
+        Ok(meta) if !meta.is_dir() && !command.force => {
             return Err(usage(format!("{} is there", path.display()))
                 .help("choose another name, or add `--force` to write over it"));
         }
         _ => {}
     }
+    probe_file(path)?;
     check_log(&log, command.force)?;
-    for path in [path, &log] {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        std::fs::create_dir_all(folder).map_err(|error| usage(format!("{}: {error}", folder.display())))?;
-    }
     Ok(())
 }
 

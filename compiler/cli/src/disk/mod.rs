@@ -5,6 +5,7 @@
 mod log;
 mod manifest;
 mod pages;
+mod place;
 mod read;
 mod rewrite;
 mod sink;
@@ -15,7 +16,8 @@ mod tests;
 pub use log::{Log, check as check_log};
 pub use manifest::{MANIFEST, Manifest};
 pub use pages::{Done, Pages, not_ours};
+pub use place::{no_temporary, probe, probe_file, unwritable};
 pub use read::{Changed, DiskFiles};
 pub use rewrite::rewrite;
-pub use sink::{Changes, DiskSink, unwritable};
+pub use sink::{Changes, DiskSink};
 pub use staging::{STAGING, Staging, left_over, write_whole};

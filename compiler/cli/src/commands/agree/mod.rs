@@ -18,14 +18,15 @@ use ltsc_render::run::{Driver, Rendered};
 use serde_json::json;
 
 use crate::args::{Agree, Format};
-use crate::disk::{not_ours, unwritable, write_whole};
+use crate::disk::{not_ours, probe, unwritable, write_whole};
 use crate::output::{Exit, Failure};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
 
 use super::job::{Job, Runner, is_there, lacks};
 use super::render::{failure, find_driver};
-use super::shared::{all_files_of, check, overrides, report};
+use super::said::one_scene;
+use super::shared::{Shown, all_files_of, check, overrides, report_as};
 use page::{Row, Side, Stated};
 
 /// The renderers that are compared unless others are named.
@@ -63,8 +64,11 @@ pub fn run(command: &Agree) -> Result<Exit, Failure> {
     if let Some(record) = &command.record {
         page::check(record, command.force)?;
     }
+    if let Some(folder) = &command.keep {
+        probe(folder)?;
+    }
     let (mut rows, mut exit, mut scenes) = (Vec::new(), Exit::Done, 0);
-    for (project, files) in all_files_of(&command.scenes, &command.findings())? {
+    for (project, files) in all_files_of(&command.scenes, &command.findings)? {
         for file in &files {
             match scene_of(command, &project, file)? {
                 Ok(Some(scene)) => {
@@ -84,7 +88,7 @@ pub fn run(command: &Agree) -> Result<Exit, Failure> {
     if let Some(record) = &command.record {
         page::record(record, &rows, command.force)?;
     }
-    if command.format == Format::Json {
+    if command.findings.format == Format::Json {
         let rows: Vec<serde_json::Value> = rows.iter().map(|row| json!(row)).collect();
         terminal::print(&format!("{:#}\n", json!({ "rows": rows })));
     }
@@ -105,10 +109,14 @@ fn scene_of(command: &Agree, project: &Project, file: &PathBuf) -> Result<Result
         set: overrides(&command.settings())?.set,
         ..Overrides::default()
     };
-    let files = check(project, std::slice::from_ref(file), &command.findings(), wanted, &[])?;
-    let (exit, _) = report(&files, Vec::new(), Format::Human, false, true);
+    let files = check(project, std::slice::from_ref(file), &command.findings, wanted, &[])?;
+    let format = if command.findings.format == Format::Short { Format::Short } else { Format::Human };
+    let (exit, _) = report_as(&files, Vec::new(), None, format, false, Shown::Refusals);
     if exit != Exit::Done {
         return Ok(Err(exit));
+    }
+    if let (Format::Human, Some(only)) = (format, files.first()) {
+        one_scene(&only.checked.findings, None, file);
     }
     let Some(scene) = files.into_iter().next().and_then(|file| file.checked.scene) else { return Ok(Ok(None)) };
     let name = scene.name.clone();
@@ -147,8 +155,10 @@ fn scene_rows(
     for (at, a) in made.iter().enumerate() {
         for b in &made[at + 1..] {
             let row = compare(command, scene, a, b)?;
-            if command.format != Format::Json {
-                terminal::print(&row.text());
+            match command.findings.format {
+                Format::Json => {}
+                Format::Short => terminal::print(&row.short()),
+                Format::Human | Format::Sarif | Format::Github => terminal::print(&row.text()),
             }
             rows.push(row);
         }

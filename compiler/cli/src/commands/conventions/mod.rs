@@ -25,7 +25,7 @@ use ltsc_render::regular;
 use ltsc_render::run::{Driver, RenderError};
 
 use crate::args::{Conventions, Format};
-use crate::disk::Pages;
+use crate::disk::{Pages, probe};
 use crate::output::{Exit, Failure};
 use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
@@ -64,6 +64,7 @@ pub fn run(command: &Conventions) -> Result<Exit, Failure> {
     // All of them are looked for before the first one starts.
     let runners = drivers.iter().map(|driver| runner(command, driver)).collect::<Result<Vec<_>, _>>()?;
     if let Some(folder) = &command.output {
+        probe(folder)?;
         let pages = Pages::new(folder, results::BY);
         let files = runners.iter().filter_map(|runner| {
             let version = runner.found.version.as_str();
