@@ -240,7 +240,7 @@ pub enum Command {
 /// How findings are judged and shown.
 #[derive(Args, Clone, Debug)]
 pub struct Findings {
-    /// How findings are printed.
+    /// How findings are printed; `sarif` and `github` are for systems that show them in code.
     #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
     pub format: Format,
     /// Accept findings: a code, `all` for every rule, or `warnings`. Also LTSC_ALLOW.

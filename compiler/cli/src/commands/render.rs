@@ -101,7 +101,7 @@ pub fn find_driver(name: &str) -> Result<&'static Driver, Failure> {
         let failure = Failure::new(Exit::Usage, format!("there is no renderer `{name}`"));
         match ltsc_core::diag::nearest(name, known.iter().copied()) {
             Some(similar) => failure.help(format!("did you mean `{similar}`?")),
-            None => failure.help(format!("known are {}", known.join(", "))),
+            None => failure.help(format!("known: {}", known.join(", "))),
         }
     })
 }

@@ -125,7 +125,7 @@ fn installable(driver: &Driver) -> bool {
 }
 
 /// How to come by a renderer, in a few words.
-fn advice(driver: &Driver) -> String {
+pub fn advice(driver: &Driver) -> String {
     match &driver.installation {
         Installation::Python(_) | Installation::Cargo(_) => format!("ltsc renderers install {}", driver.name),
         Installation::User { source } => {

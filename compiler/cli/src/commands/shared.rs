@@ -18,7 +18,7 @@ use serde_json::Value;
 
 use crate::args::{self, Format};
 use crate::disk::{Changed, DiskFiles};
-use crate::output::{self, Exit, Failure, Located};
+use crate::output::{self, Exit, Failure, Located, why};
 use crate::project::{self, Project};
 use crate::terminal;
 
@@ -118,7 +118,7 @@ pub fn check(
 pub fn disk_of(project: &Project, findings: &args::Findings) -> Result<DiskFiles, Failure> {
     let root = findings.root.as_deref().unwrap_or(&project.root);
     DiskFiles::new(root)
-        .map_err(|error| Failure::new(Exit::Usage, format!("{} cannot be read: {error}", root.display())))
+        .map_err(|error| Failure::new(Exit::Usage, format!("{} cannot be read: {}", root.display(), why(&error))))
 }
 
 /// [`check`] of files of which some are not as they are on the disk.

@@ -5,7 +5,7 @@ use std::io;
 use std::path::Path;
 
 use super::staging::Staging;
-use crate::output::{Exit, Failure};
+use crate::output::{Exit, Failure, why};
 
 const ANOTHER: &str = "choose another place";
 
@@ -24,7 +24,7 @@ pub fn unwritable(path: &Path, error: &io::Error) -> Failure {
             usage(error.to_string()).help(format!("{ANOTHER}, or add `--force` to write over what is there"))
         }
         io::ErrorKind::NotADirectory | io::ErrorKind::IsADirectory | io::ErrorKind::InvalidInput => {
-            usage(error.to_string()).help(ANOTHER)
+            usage(why(error)).help(ANOTHER)
         }
         io::ErrorKind::InvalidFilename => usage("its name is too long, or not allowed".to_owned()).help(ANOTHER),
         io::ErrorKind::PermissionDenied => environment(format!("you have no right to write in {around}"))
@@ -33,11 +33,11 @@ pub fn unwritable(path: &Path, error: &io::Error) -> Failure {
             environment(format!("{around} is on a disk that is read-only")).help(ANOTHER)
         }
         io::ErrorKind::StorageFull | io::ErrorKind::QuotaExceeded | io::ErrorKind::FileTooLarge => {
-            environment(format!("no space is left ({error})")).help(format!("free some space, or {ANOTHER}"))
+            environment(format!("no space is left ({})", why(error))).help(format!("free some space, or {ANOTHER}"))
         }
         // Folders that are missing are made, so that this is no folder in which files can be made.
         io::ErrorKind::NotFound => environment(format!("the system makes no files in {around}")).help(ANOTHER),
-        _ => environment(error.to_string()).help(ANOTHER),
+        _ => environment(why(error)).help(ANOTHER),
     }
 }
 
@@ -58,7 +58,7 @@ pub fn probe_file(file: &Path) -> Result<(), Failure> {
 
 /// Why there is no temporary folder.
 pub fn no_temporary(error: &io::Error) -> Failure {
-    Failure::new(Exit::Environment, format!("no temporary folder can be made: {error}"))
+    Failure::new(Exit::Environment, format!("no temporary folder can be made: {}", why(error)))
         .help("set TMPDIR to a folder that can be written")
 }
 

@@ -4,7 +4,7 @@ mod github;
 mod located;
 mod sarif;
 
-use std::io::Write;
+use std::io::{self, Write};
 use std::process::ExitCode;
 
 use ltsc_core::diag::{Finding, Origin, Severity};
@@ -64,6 +64,16 @@ impl Exit {
     pub fn of_finding(finding: &Finding) -> Self {
         if finding.id == ltsc_core::pipeline::FAULT { Self::Fault } else { Self::of(finding.severity) }
     }
+}
+
+/// What the system says, without its number.
+pub fn why(error: &io::Error) -> String {
+    let text = error.to_string();
+    let known = text.split_once(" (os error").filter(|_| error.raw_os_error().is_some());
+    let plain = known.map_or(text.as_str(), |(plain, _)| plain);
+    let mut chars = plain.chars();
+    let first: String = chars.next().map(|first| first.to_lowercase().collect()).unwrap_or_default();
+    if known.is_some() { first + chars.as_str() } else { plain.to_owned() }
 }
 
 /// A command cannot go on; the message has been written to no one yet.

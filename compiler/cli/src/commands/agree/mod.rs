@@ -25,6 +25,7 @@ use crate::terminal::{self, Bar};
 
 use super::job::{Job, Runner, is_there, lacks};
 use super::render::{failure, find_driver};
+use super::renderers::advice;
 use super::said::one_scene;
 use super::shared::{Shown, all_files_of, check, overrides, report_as};
 use page::{Row, Side, Stated};
@@ -138,9 +139,7 @@ fn scene_rows(
         if !is_there(driver, project, Duration::from_secs(command.timeout))? {
             let message = format!("{} is not there", driver.name);
             if named {
-                return Err(
-                    Failure::new(Exit::Environment, message).help(format!("`ltsc renderers install {}`", driver.name))
-                );
+                return Err(Failure::new(Exit::Environment, message).help(advice(driver)));
             }
             terminal::say(&format!("{message}: left out"));
             continue;
