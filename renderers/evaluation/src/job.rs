@@ -17,7 +17,7 @@ use ltsc_render::run::{
     DRIVERS, Driver, Found, Progress, RenderError, RenderRequest, Rendered, Search, driver, find, render,
 };
 
-use crate::disk::{DiskSink, unwritable};
+use crate::disk::{DiskSink, no_temporary, unwritable};
 use crate::failure::{Exit, Failure};
 
 /// A renderer that is there, and how it is to be run.
@@ -53,7 +53,7 @@ pub fn driver_called(name: &str) -> Result<&'static Driver, Failure> {
         let failure = Failure::new(Exit::Usage, format!("there is no renderer `{name}`"));
         match ltsc_core::diag::nearest(name, known.iter().copied()) {
             Some(similar) => failure.help(format!("did you mean `{similar}`?")),
-            None => failure.help(format!("known are {}", known.join(", "))),
+            None => failure.help(format!("known: {}", known.join(", "))),
         }
     })
 }
@@ -93,6 +93,7 @@ impl Runner {
 }
 
 /// How a scene is written for a renderer.
+#[derive(Default)]
 pub struct Writing<'a> {
     /// The camera; the first one if none is said.
     pub camera: Option<Handle<Camera>>,
@@ -100,12 +101,6 @@ pub struct Writing<'a> {
     pub choices: Choices,
     /// What becomes of the scene for the target, with what its reader has lost; that of the scene alone if nothing is said.
     pub ledger: Option<&'a Ledger>,
-}
-
-impl Default for Writing<'_> {
-    fn default() -> Self {
-        Self { camera: None, choices: Choices::default(), ledger: None }
-    }
 }
 
 /// A scene as it was written for a renderer, in a folder that goes with it.
@@ -133,8 +128,7 @@ impl<'r> Job<'r> {
     /// As of [`Job::new`].
     pub fn written(scene: &Valid, runner: &'r Runner, writing: &Writing<'_>) -> Result<Self, Failure> {
         let target = target_of(runner.driver);
-        let failed = |error: std::io::Error| Failure::new(Exit::Environment, format!("no temporary folder: {error}"));
-        let work = Folder::new().map_err(failed)?;
+        let work = Folder::new().map_err(|error| no_temporary(&error))?;
         let camera = writing
             .camera
             .or_else(|| pipeline::camera(scene, None))

@@ -17,6 +17,7 @@ mod lint;
 mod manual;
 mod render;
 mod renderers;
+mod said;
 mod shared;
 mod similar;
 mod stats;
@@ -69,7 +70,7 @@ fn format_of(command: &Command) -> Format {
         Command::Render(command) => command.findings.format,
         Command::Diff(command) => command.format,
         Command::Conventions(command) => command.format,
-        Command::Agree(command) => command.format,
+        Command::Agree(command) => command.findings.format,
         Command::Cache(command) => command.format,
         Command::Renderers(command) => match command.action {
             RenderersAction::List { format } => format,

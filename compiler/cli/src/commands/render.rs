@@ -14,7 +14,7 @@ use crate::args::{Format, Render};
 use crate::output::{Exit, Failure};
 use crate::terminal::{self, Bar, Watcher};
 use ltsc_evaluation::chunk::{self, Plan, Store, plan_of_one};
-use ltsc_evaluation::disk::{Log, append, check_log, unwritable, write_whole};
+use ltsc_evaluation::disk::{Log, append, check_log, probe_file, unwritable, write_whole};
 
 use super::shared::{One, one};
 use ltsc_evaluation::job::{Job, Runner, Writing, driver_called, lacks, target_of};
@@ -94,18 +94,14 @@ fn check_output(command: &Render) -> Result<(), Failure> {
     }
     // It may have taken hours, with more samples than now.
     match std::fs::symlink_metadata(path) {
-        Ok(meta) if meta.is_dir() => return Err(usage(format!("{} is a folder", path.display()))),
-        Ok(_) if !command.force => {
+        Ok(meta) if !meta.is_dir() && !command.force => {
             return Err(usage(format!("{} is there", path.display()))
                 .help("choose another name, or add `--force` to write over it"));
         }
         _ => {}
     }
+    probe_file(path)?;
     check_log(&log, command.force)?;
-    for path in [path, &log] {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        std::fs::create_dir_all(folder).map_err(|error| usage(format!("{}: {error}", folder.display())))?;
-    }
     Ok(())
 }
 
