@@ -7,6 +7,7 @@ mod cycles;
 mod emitted;
 mod error;
 mod find;
+pub(crate) mod installed;
 mod luxcore;
 mod mitsuba0;
 mod mitsuba3;
@@ -33,6 +34,7 @@ use crate::image::Image;
 pub use error::{Failure, RenderError};
 pub(crate) use find::on_path as find_on_path;
 pub use find::{Found, Search, Source, find};
+pub use installed::{Status, status_in_cache};
 pub use process::Usage;
 pub use render::render;
 

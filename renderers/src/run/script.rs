@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use crate::install::LOCK;
+use super::installed::LOCK;
 
 use super::process::{End, Lines, Patience, begin, run, tail};
 use super::{Asked, Delivery, Job, Plan, RenderError};

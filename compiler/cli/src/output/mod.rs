@@ -37,16 +37,6 @@ pub fn show(failure: &Failure) -> Exit {
     failure.exit
 }
 
-/// "error" for what ends with an exit code of its own, "warning" and "info" for the rest.
-pub fn severity_word(severity: Severity) -> &'static str {
-    match severity {
-        Severity::Error | Severity::Deny => "error",
-        Severity::Warn => "warning",
-        Severity::Info => "info",
-        Severity::Allow => "allowed",
-    }
-}
-
 /// How many findings of each kind.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Counts {
