@@ -1,7 +1,7 @@
 //! One image of a scene by a renderer: emitted into a folder of its own, read back, rendered. The same for every command that
 //! renders scenes of its own accord, and known by its content: what was written for the renderer, and how it is asked to render.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use ltsc_core::capability::{Support, algorithm};
@@ -17,7 +17,7 @@ use ltsc_render::run::{
     DRIVERS, Driver, Found, Progress, RenderError, RenderRequest, Rendered, Search, driver, find, render,
 };
 
-use crate::disk::{DiskSink, unwritable};
+use crate::disk::{DiskSink, Manifest, unwritable};
 use crate::failure::{Exit, Failure};
 
 /// A renderer that is there, and how it is to be run.
@@ -108,9 +108,11 @@ impl Default for Writing<'_> {
     }
 }
 
-/// A scene as it was written for a renderer, in a folder that goes with it.
+/// A scene as it was written for a renderer, in a folder that goes with it, or in one that was there.
 pub struct Job<'r> {
     runner: &'r Runner,
+    folder: PathBuf,
+    /// Where logs go: what was written for the renderer if it is of this job alone.
     work: Folder,
     scene: String,
     size: (usize, usize),
@@ -159,7 +161,20 @@ impl<'r> Job<'r> {
         let content = sink.content(|path| path != ledger::FILE);
         sink.finish().map_err(failed)?;
         let size = (scene.film.width as usize, scene.film.height as usize);
-        Ok(Self { runner, work, scene: scene.name.clone(), size, content })
+        Ok(Self { runner, folder: work.path().to_owned(), work, scene: scene.name.clone(), size, content })
+    }
+
+    /// One that was written before, into a folder that stays; each file is compared with what its manifest says.
+    ///
+    /// # Errors
+    /// Where a file is missing or another one.
+    pub fn there(folder: &Path, size: (usize, usize), runner: &'r Runner) -> Result<Self, Failure> {
+        let failed = |error: std::io::Error| Failure::new(Exit::Environment, format!("no temporary folder: {error}"));
+        let wrong = |error: std::io::Error| Failure::new(Exit::Environment, format!("{}: {error}", folder.display()));
+        let manifest = Manifest::verified(folder).map_err(wrong)?;
+        let content = manifest.content(|path| path != ledger::FILE);
+        let work = Folder::new().map_err(failed)?;
+        Ok(Self { runner, folder: folder.to_owned(), work, scene: manifest.scene, size, content })
     }
 
     /// The scene's name.
@@ -183,7 +198,7 @@ impl<'r> Job<'r> {
     /// The folder of what was written, as long as this is there.
     #[must_use]
     pub fn folder(&self) -> &Path {
-        self.work.path()
+        &self.folder
     }
 
     /// A hash of everything that decides how the image looks but for samples and seed: files, renderer and version.
@@ -208,7 +223,8 @@ impl<'r> Job<'r> {
     /// # Errors
     /// What the renderer says.
     pub fn render(&self, samples: u32, seed: u32, progress: &mut dyn FnMut(Progress)) -> Result<Rendered, RenderError> {
-        self.render_logged(samples, seed, &self.work.path().join("log"), progress)
+        // Several may run at once.
+        self.render_logged(samples, seed, &self.work.path().join(format!("log-{samples}-{seed}")), progress)
     }
 
     /// The same, with the renderer's whole output in `log`.
@@ -232,7 +248,7 @@ impl<'r> Job<'r> {
             seed,
             threads: *threads,
             timeout: *timeout,
-            ..RenderRequest::new(driver, self.work.path().to_path_buf(), self.size, log.to_path_buf())
+            ..RenderRequest::new(driver, self.folder.clone(), self.size, log.to_path_buf())
         };
         render(&request, &mut |news| progress(news))
     }

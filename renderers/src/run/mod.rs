@@ -33,7 +33,7 @@ use crate::image::Image;
 pub use error::{Failure, RenderError};
 pub(crate) use find::on_path as find_on_path;
 pub use find::{Found, Search, Source, find};
-pub use process::Usage;
+pub use process::{Usage, tail};
 pub use render::render;
 
 /// A program that is asked for its version, and until when it may take to answer.
