@@ -213,7 +213,7 @@ fn taken_over(stage: &Stage, running: usize) {
     let before = stage.renders();
     // Seed 2 is not wanted any more, seed 7 is new.
     let go = |news: &News<'_>| {
-        if matches!(news, News::Note(text) if text.contains("taken over 2, cancelled 1")) {
+        if matches!(news, News::Note(text) if text.contains("taken over 2, canceled 1")) {
             stage.touch("go");
         }
     };

@@ -17,8 +17,8 @@ use ltsc_render::run::{
     DRIVERS, Driver, Found, Progress, RenderError, RenderRequest, Rendered, Search, driver, find, render,
 };
 
-use crate::disk::{DiskSink, Manifest, unwritable};
-use crate::failure::{Exit, Failure};
+use crate::disk::{DiskSink, Manifest, no_temporary, unwritable};
+use crate::failure::{Exit, Failure, why};
 
 /// A renderer that is there, and how it is to be run.
 pub struct Runner {
@@ -53,7 +53,7 @@ pub fn driver_called(name: &str) -> Result<&'static Driver, Failure> {
         let failure = Failure::new(Exit::Usage, format!("there is no renderer `{name}`"));
         match ltsc_core::diag::nearest(name, known.iter().copied()) {
             Some(similar) => failure.help(format!("did you mean `{similar}`?")),
-            None => failure.help(format!("known are {}", known.join(", "))),
+            None => failure.help(format!("known: {}", known.join(", "))),
         }
     })
 }
@@ -93,6 +93,7 @@ impl Runner {
 }
 
 /// How a scene is written for a renderer.
+#[derive(Default)]
 pub struct Writing<'a> {
     /// The camera; the first one if none is said.
     pub camera: Option<Handle<Camera>>,
@@ -100,12 +101,6 @@ pub struct Writing<'a> {
     pub choices: Choices,
     /// What becomes of the scene for the target, with what its reader has lost; that of the scene alone if nothing is said.
     pub ledger: Option<&'a Ledger>,
-}
-
-impl Default for Writing<'_> {
-    fn default() -> Self {
-        Self { camera: None, choices: Choices::default(), ledger: None }
-    }
 }
 
 /// A scene as it was written for a renderer, in a folder that goes with it, or in one that was there.
@@ -135,8 +130,7 @@ impl<'r> Job<'r> {
     /// As of [`Job::new`].
     pub fn written(scene: &Valid, runner: &'r Runner, writing: &Writing<'_>) -> Result<Self, Failure> {
         let target = target_of(runner.driver);
-        let failed = |error: std::io::Error| Failure::new(Exit::Environment, format!("no temporary folder: {error}"));
-        let work = Folder::new().map_err(failed)?;
+        let work = Folder::new().map_err(|error| no_temporary(&error))?;
         let camera = writing
             .camera
             .or_else(|| pipeline::camera(scene, None))
@@ -169,11 +163,11 @@ impl<'r> Job<'r> {
     /// # Errors
     /// Where a file is missing or another one.
     pub fn there(folder: &Path, size: (usize, usize), runner: &'r Runner) -> Result<Self, Failure> {
-        let failed = |error: std::io::Error| Failure::new(Exit::Environment, format!("no temporary folder: {error}"));
-        let wrong = |error: std::io::Error| Failure::new(Exit::Environment, format!("{}: {error}", folder.display()));
+        let wrong =
+            |error: std::io::Error| Failure::new(Exit::Environment, format!("{}: {}", folder.display(), why(&error)));
         let manifest = Manifest::verified(folder).map_err(wrong)?;
         let content = manifest.content(|path| path != ledger::FILE);
-        let work = Folder::new().map_err(failed)?;
+        let work = Folder::new().map_err(|error| no_temporary(&error))?;
         Ok(Self { runner, folder: folder.to_owned(), work, scene: manifest.scene, size, content })
     }
 
@@ -223,8 +217,7 @@ impl<'r> Job<'r> {
     /// # Errors
     /// What the renderer says.
     pub fn render(&self, samples: u32, seed: u32, progress: &mut dyn FnMut(Progress)) -> Result<Rendered, RenderError> {
-        // Several may run at once.
-        self.render_logged(samples, seed, &self.work.path().join(format!("log-{samples}-{seed}")), progress)
+        self.render_logged(samples, seed, &self.work.path().join("log"), progress)
     }
 
     /// The same, with the renderer's whole output in `log`.

@@ -88,6 +88,8 @@ pub struct Driver {
     /// Of a renderer that computes with wavelengths, drawn anew for each sample: the standard deviation that they alone give
     /// a sample of constant white, in red, green, blue and in the mean of the three, as a share.
     pub wavelengths: Option<[f64; 4]>,
+    /// Whether it renders independent images of one scene.
+    pub seeds: Seeds,
     /// Texts of lines that tell that it has failed, for programs that end with code 0 all the same.
     pub failures: &'static [&'static str],
     /// Texts of the log that tell a known cause, each with what to do about it.
@@ -123,6 +125,17 @@ impl Driver {
             ),
         }
     }
+}
+
+/// Whether a renderer renders independent images of one scene, each with a seed of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seeds {
+    /// Any seed costs as much as another.
+    Free,
+    /// Seed `k` costs `k` images more.
+    Costly,
+    /// With some samplers of the scene only; any seed but 0 is refused otherwise.
+    Some,
 }
 
 /// How a renderer comes onto a machine.

@@ -9,6 +9,7 @@ use ltsc_evaluation::executor::slurm::{Slurm, clean};
 use ltsc_evaluation::failure::Exit;
 use ltsc_render::env::Env;
 
+use super::super::{ltsc, run};
 use super::{Stage, hasty, letters, taken_over, until};
 use ltsc_evaluation::executor::{Outcome, Resources};
 
@@ -181,6 +182,27 @@ fn lost_tasks_are_submitted_again() {
 }
 
 #[test]
+fn a_refusal_after_something_was_taken_is_waited_for() {
+    let stage = stage();
+    fs::write(stage.at("lose"), "0 PREEMPTED\n").expect("written");
+    let heard = |news: &News<'_>| match news {
+        News::Note(text) if text.contains("has array 17") => {
+            fs::write(stage.at("refuse"), "sbatch: error: Socket timed out on send/recv operation\n").expect("written");
+        }
+        News::Note(text)
+            if text == "`sbatch` refuses the work: Socket timed out on send/recv operation: tried again" =>
+        {
+            fs::remove_file(stage.at("refuse")).expect("removed");
+        }
+        _ => {}
+    };
+    let (done, said) = stage.run_with(&stage.slurm(), &[0, 1], false, &heard);
+    assert_eq!(letters(&done.expect("outcomes")), "mm", "{said:?}");
+    assert_eq!(stage.log("sbatch.log").len(), 3, "{said:?}");
+    stage.is_tidy();
+}
+
+#[test]
 fn a_task_that_is_lost_again_and_again_is_given_up() {
     let stage = stage();
     let again = |news: &News<'_>| {
@@ -307,7 +329,12 @@ fn a_killed_run_that_nobody_goes_on_with_is_cancelled() {
         child.kill().expect("killed");
         child.wait().expect("ended");
         if by_cleaning {
-            assert_eq!(clean(&stage.at("shared"), &stage.env()).expect("cleaned"), 1);
+            let path = std::env::join_paths([stage.at("bin"), "/usr/bin".into(), "/bin".into()]).expect("a path");
+            let mut prune = ltsc();
+            prune.args(["cache", "prune", "--days", "1", "--shared"]).arg(stage.at("shared")).env("PATH", path);
+            let ran = run(&mut prune);
+            let line = "killed runs that are removed with what they had submitted: 1";
+            assert!(ran.code == Some(0) && ran.err.contains(line), "{}", ran.err);
         } else {
             // The next run wants something else.
             stage.touch("go");

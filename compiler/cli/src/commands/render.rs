@@ -7,13 +7,14 @@ use std::time::{Duration, Instant};
 use ltsc_core::capability::algorithm;
 use ltsc_core::ir::Scene;
 use ltsc_render::image::{Provenance, exr_bytes};
-use ltsc_render::run::{Driver, Progress, Rendered};
+use ltsc_render::run::{Driver, Progress, Rendered, Usage};
 use serde_json::json;
 
 use crate::args::{Format, Render};
 use crate::output::{Exit, Failure};
-use crate::terminal::{self, Bar};
-use ltsc_evaluation::disk::{Log, check_log, unwritable, write_whole};
+use crate::terminal::{self, Bar, Watcher};
+use ltsc_evaluation::chunk::{self, Plan, Store, plan_of_one};
+use ltsc_evaluation::disk::{Log, append, check_log, probe_file, unwritable, write_whole};
 
 use super::shared::{One, one};
 use ltsc_evaluation::job::{Job, Runner, Writing, driver_called, lacks, target_of};
@@ -21,7 +22,7 @@ use ltsc_evaluation::job::{Job, Runner, Writing, driver_called, lacks, target_of
 pub fn run(command: &Render) -> Result<Exit, Failure> {
     let driver = driver_called(&command.renderer)?;
     check_output(command)?;
-    let scene = match one(&command.scene, &command.findings, &command.settings)? {
+    let mut scene = match one(&command.scene, &command.findings, &command.settings)? {
         Ok(scene) => scene,
         Err(exit) => return Ok(exit),
     };
@@ -32,14 +33,20 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
         return Ok(exit);
     }
     let runner = runner(command, driver, &scene)?;
+    let (samples, seed) = (scene.scene.sampler.samples(), scene.scene.sampler.seed());
+    let plan = plan_of_one(driver, u64::from(samples));
+    if plan.count > 1 {
+        // What is written tells the chunks apart by nothing but what the driver sets.
+        scene.scene.set_sampling(plan.samples, 0);
+    }
     let ledger = scene.ledger(target);
     let writing = Writing { camera: Some(scene.camera), choices: scene.project.choices.clone(), ledger: Some(&ledger) };
     let job = Job::written(&scene.scene, &runner, &writing)?;
     let log = log_of(command);
     let whole = Log::begin(&log, command.force)?;
-    let rendered = watch(&job, &scene, &log)?;
+    let rendered = watch(&job, plan, seed, &log)?;
     drop(whole);
-    let provenance = provenance(command, driver, &scene, &rendered);
+    let provenance = provenance(command, driver, (&scene, seed), &rendered);
     let bytes = exr_bytes(&command.output, &rendered.image, &provenance)
         .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))?;
     write_whole(&command.output, &mut |out| out.write_all(&bytes))
@@ -87,18 +94,14 @@ fn check_output(command: &Render) -> Result<(), Failure> {
     }
     // It may have taken hours, with more samples than now.
     match std::fs::symlink_metadata(path) {
-        Ok(meta) if meta.is_dir() => return Err(usage(format!("{} is a folder", path.display()))),
-        Ok(_) if !command.force => {
+        Ok(meta) if !meta.is_dir() && !command.force => {
             return Err(usage(format!("{} is there", path.display()))
                 .help("choose another name, or add `--force` to write over it"));
         }
         _ => {}
     }
+    probe_file(path)?;
     check_log(&log, command.force)?;
-    for path in [path, &log] {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        std::fs::create_dir_all(folder).map_err(|error| usage(format!("{}: {error}", folder.display())))?;
-    }
     Ok(())
 }
 
@@ -147,9 +150,12 @@ fn runner(command: &Render, driver: &'static Driver, scene: &One) -> Result<Runn
 }
 
 /// Renders under a progress bar.
-fn watch(job: &Job<'_>, scene: &One, log: &Path) -> Result<Rendered, Failure> {
-    let what = format!("{} ({})", scene.scene.name, job.runner().driver.name);
-    let (samples, seed) = (scene.scene.sampler.samples(), scene.scene.sampler.seed());
+fn watch(job: &Job<'_>, plan: Plan, seed: u32, log: &Path) -> Result<Rendered, Failure> {
+    let what = format!("{} ({})", job.scene(), job.runner().driver.name);
+    let samples = plan.samples;
+    if let (2.., Some(cache)) = (plan.count, &job.runner().cache) {
+        return chunked(&Store::of(cache), job, plan, seed, log);
+    }
     let mut bar = Bar::new(u64::from(samples), &what);
     let rendered = job.render_logged(samples, seed, log, &mut |progress| match progress {
         Progress::Samples { done, total: _, seconds: _ } => bar.set(done),
@@ -160,7 +166,30 @@ fn watch(job: &Job<'_>, scene: &One, log: &Path) -> Result<Rendered, Failure> {
     rendered.map_err(|error| Failure::of_renderer(&error))
 }
 
-fn provenance(command: &Render, driver: &Driver, scene: &One, rendered: &Rendered) -> Provenance {
+/// Renders a long image in chunks, which are kept, so that a run that is ended goes on where it was.
+fn chunked(store: &Store, job: &Job<'_>, plan: Plan, seed: u32, log: &Path) -> Result<Rendered, Failure> {
+    let first = seed.checked_mul(plan.count).ok_or_else(|| {
+        Failure::new(Exit::Usage, format!("the seed {seed} is too large for an image in {} chunks", plan.count))
+            .help("count seeds from 0")
+    })?;
+    let chunks = chunk::render(store, job, plan, first, &mut Watcher::default())?;
+    let (image, _) = chunks.combined()?;
+    append(log, &mut |out| chunks.write_logs(out)).map_err(|error| unwritable(log, &error))?;
+    let cost = chunks.cost;
+    Ok(Rendered {
+        image,
+        seconds: cost.seconds,
+        wall_seconds: cost.seconds,
+        renderer_version: cost.version,
+        samples_done: cost.samples,
+        executable: job.runner().found.path.clone(),
+        log_path: log.to_path_buf(),
+        usage: Usage { cpu_seconds: cost.cpu_seconds, peak_memory: cost.peak_memory },
+        facts: vec![("chunks".to_owned(), format!("{} of {} samples", plan.count, plan.samples))],
+    })
+}
+
+fn provenance(command: &Render, driver: &Driver, (scene, seed): (&One, u32), rendered: &Rendered) -> Provenance {
     let camera = command.settings.camera.iter().map(|name| ("camera".to_owned(), name.clone()));
     let parameters = &scene.scene.documentation.parameters;
     let values: Vec<String> = parameters.iter().map(|one| format!("{}={}", one.name, one.value)).collect();
@@ -172,7 +201,7 @@ fn provenance(command: &Render, driver: &Driver, scene: &One, rendered: &Rendere
         renderer: driver.name.to_owned(),
         renderer_version: rendered.renderer_version.clone(),
         samples: rendered.samples_done,
-        seed: u64::from(scene.scene.sampler.seed()),
+        seed: u64::from(seed),
         seconds: rendered.seconds,
         extra: camera.chain(values).chain(rendered.facts.iter().cloned()).collect(),
     }

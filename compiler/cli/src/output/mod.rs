@@ -7,7 +7,7 @@ mod sarif;
 use std::io::Write;
 
 use ltsc_core::diag::{Finding, Severity};
-pub use ltsc_evaluation::failure::{Exit, Failure};
+pub use ltsc_evaluation::failure::{Exit, Failure, why};
 use serde_json::{Value, json};
 
 use crate::args::Format;

@@ -80,8 +80,7 @@ impl Study<'_> {
             let Ok(runner) = Runner::find(driver, None, program.as_deref(), Some(self.timeout)) else {
                 let message = format!("{} is not there", driver.name);
                 if *needed {
-                    return Err(Failure::new(Exit::Environment, message)
-                        .help(format!("`ltsc renderers install {}`", driver.name)));
+                    return Err(Failure::new(Exit::Environment, message).help(driver.advice()));
                 }
                 watch.note(&format!("{message}: left out"));
                 continue;

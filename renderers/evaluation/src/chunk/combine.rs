@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use ltsc_render::image::{Image, Provenance, attributes, layered_bytes};
+use ltsc_render::regular;
 use serde::{Deserialize, Serialize};
 
 use super::facts::Facts;
@@ -85,6 +86,20 @@ impl Chunks {
     #[must_use]
     pub fn images(&self) -> Images<'_> {
         Images::Files(&self.files)
+    }
+
+    /// The whole output of the renderer for each chunk, one after the other.
+    ///
+    /// # Errors
+    /// Where it cannot be written.
+    pub fn write_logs(&self, out: &mut dyn std::io::Write) -> std::io::Result<()> {
+        for file in &self.files {
+            writeln!(out, "== {}", file.file_stem().unwrap_or_default().to_string_lossy())?;
+            // A log that is gone is no loss of a chunk.
+            let text = regular::read(&file.with_extension("log"), regular::TEXT).unwrap_or_default();
+            out.write_all(&text)?;
+        }
+        Ok(())
     }
 
     /// The mean, and the variance of the mean where there are several chunks.

@@ -12,7 +12,11 @@ pub use combine::{Chunks, Cost, VARIANCE, write};
 pub use facts::{Facts, Machine};
 pub use store::{Entry, Store, Summary};
 
-use ltsc_render::run::Driver;
+use ltsc_render::run::{Driver, Progress, Seeds};
+
+use crate::failure::Failure;
+use crate::job::Job;
+use crate::watch::Watch;
 
 /// The fewest chunks of an image whose error is to be told.
 pub const LEAST: u64 = 8;
@@ -64,10 +68,49 @@ impl Plan {
     }
 }
 
-/// Whether a renderer has seeds for any scene, so that it renders independent chunks.
+/// From so many samples on, an image is rendered in chunks, so that what was rendered is not lost where a run is ended.
+const LONG: u64 = 8192;
+
+/// How an image is rendered that nobody asks the error of: whole, but long ones by renderers whose seeds cost nothing.
 #[must_use]
-pub fn has_seeds(driver: &Driver) -> bool {
-    !driver.name.starts_with("mitsuba-0")
+pub fn plan_of_one(driver: &Driver, samples: u64) -> Plan {
+    if samples >= LONG && driver.seeds == Seeds::Free { Plan::of(samples) } else { Plan::whole(samples) }
+}
+
+/// Renders an image in chunks, one after the other, each with all threads of the job; those that are there are not rendered again.
+///
+/// # Errors
+/// What the renderer says, or the disk.
+pub fn render(
+    store: &Store,
+    job: &Job<'_>,
+    plan: Plan,
+    first_seed: u32,
+    watch: &mut dyn Watch,
+) -> Result<Chunks, Failure> {
+    let driver = job.runner().driver.name;
+    let what = format!("{} ({driver})", job.scene());
+    watch.begin(plan.total(), &what);
+    let mut kept = 0;
+    for at in 0..plan.count {
+        let before = u64::from(at) * u64::from(plan.samples);
+        let chunk = (plan.samples, first_seed.saturating_add(at));
+        let made = store.make(job, chunk, &mut |news| match news {
+            Progress::Samples { done, total: _, seconds: _ } => watch.set(before + done),
+            Progress::Started { .. } | Progress::Loaded { .. } => watch.set(before),
+        });
+        kept += u32::from(matches!(made, Ok(None)));
+        if let Err(failure) = made {
+            watch.end();
+            return Err(failure);
+        }
+    }
+    watch.end();
+    if kept > 0 {
+        let (chunks, samples) = (plan.count, plan.samples);
+        watch.note(&format!("{kept} of {chunks} chunks of {samples} samples were there from before"));
+    }
+    Chunks::of(store, job, plan, first_seed)
 }
 
 #[cfg(test)]

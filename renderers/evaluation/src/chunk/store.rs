@@ -107,8 +107,13 @@ impl Store {
         if path.is_file() {
             return Ok(None);
         }
+        let folder = path.parent().unwrap_or(&self.root);
+        fs::create_dir_all(folder).map_err(|error| unwritable(&self.root, &error))?;
         let load = load();
-        let rendered = job.render(samples, seed, watch).map_err(|error| Failure::of_renderer(&error))?;
+        // Where it fails, its log stays, and is begun anew next time.
+        let rendered = job
+            .render_logged(samples, seed, &path.with_extension("log"), watch)
+            .map_err(|error| Failure::of_renderer(&error))?;
         let facts = Facts::of(&rendered, job.runner().threads, load);
         let mut provenance = Provenance {
             scene: job.scene().to_owned(),
@@ -124,10 +129,7 @@ impl Store {
         facts.write(&mut provenance);
         let bytes = exr_bytes(&path, &rendered.image, &provenance)
             .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))?;
-        let folder = path.parent().unwrap_or(&self.root);
-        fs::create_dir_all(folder)
-            .and_then(|()| write_whole(&path, &mut |out| out.write_all(&bytes)))
-            .map_err(|error| unwritable(&self.root, &error))?;
+        write_whole(&path, &mut |out| out.write_all(&bytes)).map_err(|error| unwritable(&self.root, &error))?;
         Ok(Some(facts))
     }
 
@@ -178,7 +180,7 @@ impl Store {
             if !old {
                 continue;
             }
-            for file in chunks(&entry.folder)? {
+            for file in files(&entry.folder)? {
                 fs::remove_file(&file)?;
             }
             // Something else may lie there; then it stays.
@@ -208,8 +210,8 @@ fn folders(folder: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(all)
 }
 
-/// The chunks in a folder, sorted.
-fn chunks(folder: &Path) -> io::Result<Vec<PathBuf>> {
+/// The chunks and logs in a folder, sorted.
+fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {
     let mut all = Vec::new();
     for entry in fs::read_dir(folder)? {
         let path = entry?.path();
@@ -217,7 +219,7 @@ fn chunks(folder: &Path) -> io::Result<Vec<PathBuf>> {
         let ours = name.split_once('-').is_some_and(|(samples, seed)| {
             [samples, seed].iter().all(|part| !part.is_empty() && part.bytes().all(|byte| byte.is_ascii_digit()))
         });
-        if ours && path.extension().is_some_and(|ending| ending == "exr") {
+        if ours && path.extension().is_some_and(|ending| ending == "exr" || ending == "log") {
             all.push(path);
         }
     }
@@ -226,14 +228,17 @@ fn chunks(folder: &Path) -> io::Result<Vec<PathBuf>> {
 }
 
 fn entry(folder: PathBuf) -> io::Result<Option<Entry>> {
-    let files = chunks(&folder)?;
-    let Some(first) = files.first() else { return Ok(None) };
-    let about =
-        ltsc_render::image::attributes(first).map(|found| Provenance::from_attributes(&found)).unwrap_or_default();
+    let files = files(&folder)?;
+    let Some(last) = files.last() else { return Ok(None) };
+    let chunks: Vec<&PathBuf> =
+        files.iter().filter(|file| file.extension().is_some_and(|ending| ending == "exr")).collect();
+    let about = ltsc_render::image::attributes(chunks.first().copied().unwrap_or(last))
+        .map(|found| Provenance::from_attributes(&found))
+        .unwrap_or_default();
     let mut entry = Entry {
         scene: about.scene,
         renderer: format!("{} {}", about.renderer, about.renderer_version).trim().to_owned(),
-        chunks: files.len(),
+        chunks: chunks.len(),
         samples: 0,
         bytes: 0,
         newest: SystemTime::UNIX_EPOCH,
@@ -243,6 +248,9 @@ fn entry(folder: PathBuf) -> io::Result<Option<Entry>> {
         let meta = fs::metadata(file)?;
         entry.bytes += meta.len();
         entry.newest = entry.newest.max(meta.modified()?);
+        if file.extension().is_none_or(|ending| ending != "exr") {
+            continue;
+        }
         let name = file.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
         entry.samples += name.split_once('-').and_then(|(samples, _)| samples.parse::<u64>().ok()).unwrap_or(0);
     }

@@ -107,7 +107,6 @@ pub const EXECUTORS: &[&Kind] = &[&local::KIND, &slurm::KIND];
 pub fn find(name: &str) -> Result<&'static Kind, Failure> {
     EXECUTORS.iter().copied().find(|kind| kind.name == name).ok_or_else(|| {
         let known: Vec<&str> = EXECUTORS.iter().map(|kind| kind.name).collect();
-        Failure::new(Exit::Usage, format!("there is no executor `{name}`"))
-            .help(format!("known are {}", known.join(", ")))
+        Failure::new(Exit::Usage, format!("there is no executor `{name}`")).help(format!("known: {}", known.join(", ")))
     })
 }

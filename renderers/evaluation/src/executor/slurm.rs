@@ -16,7 +16,7 @@ use std::time::Duration;
 use ltsc_render::env::Env;
 
 use super::{Executor, Kind, News, Order, Outcome, Resources};
-use crate::failure::{Exit, Failure};
+use crate::failure::{Exit, Failure, why};
 use scheduler::Scheduler;
 use session::Session;
 use shared::Shared;
@@ -29,7 +29,7 @@ pub const KIND: Kind = Kind {
     summary: "a cluster with Slurm",
     make: |resources| {
         let program = std::env::current_exe()
-            .map_err(|error| Failure::new(Exit::Environment, format!("ltsc does not find itself: {error}")))?;
+            .map_err(|error| Failure::new(Exit::Environment, format!("ltsc does not find itself: {}", why(&error))))?;
         Ok(Box::new(Slurm::new(resources, &Env::of_process(), program)?))
     },
 };

@@ -9,7 +9,7 @@ use std::time::Duration;
 use ltsc_render::client::{Answer, ask};
 use ltsc_render::env::Env;
 
-use crate::failure::{Exit, Failure};
+use crate::failure::{Exit, Failure, why};
 
 /// How long one of its programs may take to answer; they have shorter limits of their own.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -130,7 +130,7 @@ impl Scheduler {
             Failure::new(Exit::Environment, format!("`sbatch` refuses the work: {words}"))
                 .help("options such as `--partition=short` or `--account=NAME` are passed on to it")
         };
-        let answer = ask(&self.sbatch, &words, PATIENCE).map_err(|error| refused(error.to_string()))?;
+        let answer = ask(&self.sbatch, &words, PATIENCE).map_err(|error| refused(why(&error)))?;
         // With a name of the cluster behind it, where there are several.
         let id = answer.out.lines().last().and_then(|line| line.split(';').next()).unwrap_or_default().trim();
         let known = answer.ok && !id.is_empty() && id.bytes().all(|byte| byte.is_ascii_digit());
@@ -175,7 +175,7 @@ fn elements(text: &str) -> Elements {
         let mut parts = line.trim().splitn(5, '/');
         let (name, array, index) = (parts.next()?.to_owned(), parts.next()?.to_owned(), parts.next()?);
         let (state, reason) = (parts.next()?, parts.next().unwrap_or_default());
-        // What is left of an array that was cancelled has no index.
+        // What is left of an array that was canceled has no index.
         Some(((name, index.parse().ok()?), Element { array, state: State::of(state, reason) }))
     };
     text.lines().filter_map(element).collect()

@@ -15,7 +15,7 @@ use super::task::{List, Listed, failure_of};
 use super::{SILENCE, Slurm};
 use crate::disk::unwritable;
 use crate::executor::{News, Order, Outcome, Task};
-use crate::failure::{Exit, Failure};
+use crate::failure::{Exit, Failure, why};
 
 /// How often a chunk is submitted.
 const TRIES: usize = 3;
@@ -82,6 +82,8 @@ pub struct Session<'a> {
     /// Whether something may still run that nobody waits for.
     unwanted: bool,
     said: BTreeSet<String>,
+    /// Since when no more is taken, after something was.
+    refused: Option<Instant>,
     undo: Arc<Mutex<Undo>>,
     _held: Held,
 }
@@ -105,6 +107,7 @@ impl<'a> Session<'a> {
             failed: vec![0; order.jobs.len()],
             unwanted: false,
             said: BTreeSet::new(),
+            refused: None,
             undo,
             _held: held,
         })
@@ -123,7 +126,19 @@ impl<'a> Session<'a> {
         let (first, last) = self.slurm.pauses;
         loop {
             guard::stop_if_ending();
-            self.submit()?;
+            match self.submit() {
+                Ok(()) => self.refused = None,
+                Err(failure) if self.arrays.is_empty() => return Err(failure),
+                // What was taken before may be taken later.
+                Err(failure) => {
+                    if self.refused.is_none() {
+                        self.note(format!("{}: tried again", failure.message));
+                    }
+                    if self.refused.get_or_insert_with(Instant::now).elapsed() > SILENCE {
+                        return Err(failure);
+                    }
+                }
+            }
             if self.chunks.iter().all(|chunk| matches!(chunk.phase, Phase::Ended(_))) {
                 break;
             }
@@ -238,11 +253,11 @@ impl<'a> Session<'a> {
             match self.slurm.scheduler.elements(names) {
                 Ok(elements) => return Ok(elements),
                 Err(error) if start.elapsed() > SILENCE => {
-                    let message = format!("Slurm gives no answer: {error}");
+                    let message = format!("Slurm gives no answer: {}", why(&error));
                     return Err(Failure::new(Exit::Environment, message)
                         .help("start again later: chunks that are rendered by then are kept"));
                 }
-                Err(error) if !said => self.note(format!("Slurm gives no answer, and is asked again: {error}")),
+                Err(error) if !said => self.note(format!("Slurm gives no answer, and is asked again: {}", why(&error))),
                 Err(_) => {}
             }
             said = true;
@@ -358,7 +373,7 @@ impl<'a> Session<'a> {
 
     fn cancelled(&self, done: io::Result<()>) {
         if let Err(error) = done {
-            self.note(format!("`scancel` fails: {error}"));
+            self.note(format!("`scancel` fails: {}", why(&error)));
         }
     }
 
@@ -401,7 +416,7 @@ impl<'a> Session<'a> {
                 continue;
             }
             self.note(format!(
-                "Slurm still has tasks of a run that was killed: taken over {taken}, cancelled {}",
+                "Slurm still has tasks of a run that was killed: taken over {taken}, canceled {}",
                 others.len()
             ));
             self.cancelled(self.slurm.scheduler.cancel_elements(&others));
@@ -425,7 +440,7 @@ impl Drop for Session<'_> {
         }
         for run in self.taken.iter().chain(&self.own) {
             if let Err(error) = self.slurm.shared.end(&run.folder) {
-                self.note(format!("{} stays: {error}", run.folder.display()));
+                self.note(format!("{} stays: {}", run.folder.display(), why(&error)));
             }
         }
     }

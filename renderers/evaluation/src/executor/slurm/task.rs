@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use crate::chunk::Store;
 use crate::disk::{unwritable, write_whole};
 use crate::executor::Task;
-use crate::failure::{Exit, Failure};
+use crate::failure::{Exit, Failure, why};
 use crate::job::{Job, Runner, driver_called};
 
 /// More than the largest list.
@@ -114,7 +114,7 @@ pub fn failure_of(list: &Path, index: usize) -> Option<Failure> {
 /// Where the list cannot be read, the files of the scene are not those that were written, or the renderer fails.
 pub fn perform(path: &Path, index: usize) -> Result<String, Failure> {
     let list = List::read(path).map_err(|error| {
-        Failure::new(Exit::Input, format!("{}: {error}", path.display()))
+        Failure::new(Exit::Input, format!("{}: {}", path.display(), why(&error)))
             .help("a list is there as long as the ltsc that waits for it")
     })?;
     let done = element(&list, index);
