@@ -184,15 +184,13 @@ impl<'a> Session<'a> {
         self.chunks[at].phase = Phase::Ended(outcome);
     }
 
-    /// Submits what waits for it: all at first, and what was lost as soon as fewer tasks are there than may run at once.
+    /// Submits what waits for it.
     fn submit(&mut self) -> Result<(), Failure> {
         let waits = |at: &usize| matches!(self.chunks[*at].phase, Phase::Waiting);
-        let ready: Vec<usize> = (0..self.chunks.len()).filter(waits).take(MOST).collect();
+        let mut ready: Vec<usize> = (0..self.chunks.len()).filter(waits).collect();
         let active = self.chunks.iter().filter(|chunk| matches!(chunk.phase, Phase::Submitted { .. })).count();
-        let at_once = self.slurm.at_once.saturating_sub(active);
-        if ready.is_empty() || at_once == 0 {
-            return Ok(());
-        }
+        let Some((count, at_once)) = size(ready.len(), active, self.slurm.at_once) else { return Ok(()) };
+        ready.truncate(count);
         if self.own.is_none() {
             let run = self.slurm.shared.begin(&self.slurm.program).map_err(|error| self.unwritable(&error))?;
             lock(&self.undo).runs.push(run.folder.clone());
@@ -446,6 +444,14 @@ impl Drop for Session<'_> {
     }
 }
 
+/// How many elements the next array has, and how many of them may run at once: all that is ready where nothing else is there, and later
+/// what fills the places that have become free.
+fn size(ready: usize, active: usize, at_once: usize) -> Option<(usize, usize)> {
+    let free = at_once.saturating_sub(active);
+    let count = ready.min(if active == 0 { MOST } else { free });
+    (count > 0).then_some((count, free))
+}
+
 fn lock(undo: &Mutex<Undo>) -> MutexGuard<'_, Undo> {
     undo.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -457,5 +463,21 @@ fn put_back(scheduler: &Scheduler, shared: &Shared, undo: &Mutex<Undo>) {
     let _the_next_run_does_it = scheduler.cancel(&undo.arrays);
     for run in &undo.runs {
         let _the_next_run_does_it = shared.remove(run);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_more_run_at_once_than_may() {
+        assert_eq!(size(3, 0, 8), Some((3, 8)));
+        assert_eq!(size(1500, 0, 8), Some((1000, 8)));
+        // An array that may run one at a time gets one element, since that stays so when other places become free.
+        assert_eq!(size(500, 7, 8), Some((1, 1)));
+        assert_eq!(size(2, 3, 8), Some((2, 5)));
+        assert_eq!(size(500, 9, 8), None);
+        assert_eq!(size(0, 0, 8), None);
     }
 }
