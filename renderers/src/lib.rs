@@ -3,10 +3,11 @@
 //! Reading order: `image` (pixels in files), `run` (one driver for each
 //! renderer), `install` (private copies of renderers), `cache` and `env` (where things are), `guard` (what is half done, and
 //! how it is put back), `supervisor` (the process that ends a renderer with all that it started), `regular` (the one way to
-//! read a file).
+//! read a file), `client` (programs of the system that answer in a moment).
 //! Nothing here knows what a scene is: the input is a folder that somebody emitted.
 
 pub mod cache;
+pub mod client;
 pub mod env;
 pub mod guard;
 pub mod image;

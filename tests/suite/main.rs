@@ -34,6 +34,7 @@ mod scale;
 mod seeds;
 mod signals;
 mod similar;
+mod slurm;
 mod thesis;
 mod tidy;
 mod user;

@@ -237,6 +237,9 @@ pub enum Command {
         after_help = "Examples:\n  ltsc manual                  (lists the pages)\n  ltsc manual reference | less\n  ltsc manual -o docs\n  ltsc manual -o docs --check  (exit 1 if a file is stale)"
     )]
     Manual(Manual),
+    /// Render one chunk of a list, as a task of a cluster.
+    #[command(hide = true)]
+    Task(Task),
     /// Print the completions of a shell.
     #[command(after_help = "Example:\n  ltsc completions bash > ~/.local/share/bash-completion/completions/ltsc")]
     Completions {
@@ -311,6 +314,14 @@ pub struct Settings {
     /// The camera to look through [default: the first].
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
+}
+
+#[derive(Args, Debug)]
+pub struct Task {
+    /// The list, which the ltsc that waits has written.
+    pub list: PathBuf,
+    /// Which of its tasks.
+    pub index: usize,
 }
 
 #[derive(Args, Debug)]
@@ -614,6 +625,9 @@ pub enum RenderersAction {
 pub struct Cache {
     #[command(subcommand)]
     pub action: Option<CacheAction>,
+    /// The folder that a cluster shares, instead of the user's cache; `prune` also ends there what killed runs have left.
+    #[arg(long, value_name = "DIR", global = true)]
+    pub shared: Option<PathBuf>,
     /// How it is printed; `sarif` and `github`, which are for findings, give the form for people.
     #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT", global = true)]
     pub format: Format,

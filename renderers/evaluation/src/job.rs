@@ -1,7 +1,7 @@
 //! One image of a scene by a renderer: emitted into a folder of its own, read back, rendered. The same for every command that
 //! renders scenes of its own accord, and known by its content: what was written for the renderer, and how it is asked to render.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use ltsc_core::capability::{Support, algorithm};
@@ -17,8 +17,8 @@ use ltsc_render::run::{
     DRIVERS, Driver, Found, Progress, RenderError, RenderRequest, Rendered, Search, driver, find, render,
 };
 
-use crate::disk::{DiskSink, no_temporary, unwritable};
-use crate::failure::{Exit, Failure};
+use crate::disk::{DiskSink, Manifest, no_temporary, unwritable};
+use crate::failure::{Exit, Failure, why};
 
 /// A renderer that is there, and how it is to be run.
 pub struct Runner {
@@ -87,7 +87,19 @@ impl Runner {
         let cache = CachePaths::find(&env);
         let until = timeout.map(|timeout| Instant::now() + timeout);
         let search = Search { env: &env, cache: cache.as_ref(), given, configured, until };
-        let found = find(driver, &search).map_err(|error| Failure::of_renderer(&error))?;
+        let found = find(driver, &search).map_err(|error| {
+            let over = timeout.filter(|_| until.is_some_and(|until| Instant::now() >= until));
+            match over {
+                // It would have answered that it is there.
+                Some(after) => Failure::of_renderer(&RenderError::TimedOut {
+                    driver: driver.name,
+                    after,
+                    tail: error.tail().to_vec(),
+                    log: PathBuf::new(),
+                }),
+                None => Failure::of_renderer(&error),
+            }
+        })?;
         Ok(Self { driver, found, threads: None, timeout, env, cache })
     }
 }
@@ -103,9 +115,11 @@ pub struct Writing<'a> {
     pub ledger: Option<&'a Ledger>,
 }
 
-/// A scene as it was written for a renderer, in a folder that goes with it.
+/// A scene as it was written for a renderer, in a folder that goes with it, or in one that was there.
 pub struct Job<'r> {
     runner: &'r Runner,
+    folder: PathBuf,
+    /// Where logs go: what was written for the renderer if it is of this job alone.
     work: Folder,
     scene: String,
     size: (usize, usize),
@@ -153,7 +167,20 @@ impl<'r> Job<'r> {
         let content = sink.content(|path| path != ledger::FILE);
         sink.finish().map_err(failed)?;
         let size = (scene.film.width as usize, scene.film.height as usize);
-        Ok(Self { runner, work, scene: scene.name.clone(), size, content })
+        Ok(Self { runner, folder: work.path().to_owned(), work, scene: scene.name.clone(), size, content })
+    }
+
+    /// One that was written before, into a folder that stays; each file is compared with what its manifest says.
+    ///
+    /// # Errors
+    /// Where a file is missing or another one.
+    pub fn there(folder: &Path, size: (usize, usize), runner: &'r Runner) -> Result<Self, Failure> {
+        let wrong =
+            |error: std::io::Error| Failure::new(Exit::Environment, format!("{}: {}", folder.display(), why(&error)));
+        let manifest = Manifest::verified(folder).map_err(wrong)?;
+        let content = manifest.content(|path| path != ledger::FILE);
+        let work = Folder::new().map_err(|error| no_temporary(&error))?;
+        Ok(Self { runner, folder: folder.to_owned(), work, scene: manifest.scene, size, content })
     }
 
     /// The scene's name.
@@ -177,7 +204,7 @@ impl<'r> Job<'r> {
     /// The folder of what was written, as long as this is there.
     #[must_use]
     pub fn folder(&self) -> &Path {
-        self.work.path()
+        &self.folder
     }
 
     /// A hash of everything that decides how the image looks but for samples and seed: files, renderer and version.
@@ -226,7 +253,7 @@ impl<'r> Job<'r> {
             seed,
             threads: *threads,
             timeout: *timeout,
-            ..RenderRequest::new(driver, self.work.path().to_path_buf(), self.size, log.to_path_buf())
+            ..RenderRequest::new(driver, self.folder.clone(), self.size, log.to_path_buf())
         };
         render(&request, &mut |news| progress(news))
     }

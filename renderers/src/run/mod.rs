@@ -35,7 +35,7 @@ pub use error::{Failure, RenderError};
 pub(crate) use find::on_path as find_on_path;
 pub use find::{Found, Search, Source, find};
 pub use installed::{Status, status_in_cache};
-pub use process::Usage;
+pub use process::{Usage, tail};
 pub use render::render;
 
 /// A program that is asked for its version, and until when it may take to answer.

@@ -125,7 +125,8 @@ pub(crate) fn run(
 }
 
 /// The last lines of a log, fit for a terminal.
-pub(crate) fn tail(log: &Path, count: usize) -> Vec<String> {
+#[must_use]
+pub fn tail(log: &Path, count: usize) -> Vec<String> {
     const BYTES: u64 = 64 * 1024;
     const WIDTH: usize = 400;
     let read = || -> io::Result<Vec<u8>> {

@@ -4,6 +4,7 @@ use std::time::{Duration, SystemTime};
 
 use ltsc_evaluation::chunk::{Entry, Store};
 use ltsc_evaluation::disk::unwritable;
+use ltsc_evaluation::executor::slurm;
 use ltsc_render::cache::CachePaths;
 use ltsc_render::env::Env;
 use serde_json::json;
@@ -13,17 +14,27 @@ use crate::output::{Exit, Failure};
 use crate::terminal::{self, Watcher};
 
 pub fn run(command: &Cache) -> Result<Exit, Failure> {
-    let cache = CachePaths::find(&Env::of_process()).ok_or_else(|| {
-        Failure::new(Exit::Environment, "the system names no cache folder").help("set LTSC_CACHE to a folder")
-    })?;
-    let store = Store::of(&cache);
+    let root = match &command.shared {
+        Some(shared) => shared.clone(),
+        None => CachePaths::find(&Env::of_process()).map(|cache| cache.root).ok_or_else(|| {
+            Failure::new(Exit::Environment, "the system names no cache folder").help("set LTSC_CACHE to a folder")
+        })?,
+    };
+    let store = Store::of(&CachePaths { root: root.clone() });
     let failed = |error: std::io::Error| unwritable(store.root(), &error);
     if let Some(CacheAction::Prune { days }) = command.action {
+        let ended = command.shared.as_deref().map(|shared| slurm::clean(shared, &Env::of_process())).transpose()?;
         let age = Duration::from_secs(days.saturating_mul(24 * 60 * 60));
         let removed = store.prune(age, &mut Watcher::default()).map_err(failed)?;
         if command.format == Format::Json {
-            terminal::print(&format!("{:#}\n", json!({ "removed": removed.chunks, "bytes": removed.bytes })));
+            terminal::print(&format!(
+                "{:#}\n",
+                json!({ "removed": removed.chunks, "bytes": removed.bytes, "runs": ended })
+            ));
         } else {
+            if let Some(ended) = ended.filter(|ended| *ended > 0) {
+                terminal::say(&format!("killed runs that are removed with what they had submitted: {ended}"));
+            }
             terminal::say(&format!("{} chunks removed, {}", removed.chunks, size(removed.bytes)));
         }
         return Ok(Exit::Done);
@@ -37,7 +48,7 @@ pub fn run(command: &Cache) -> Result<Exit, Failure> {
             })
         };
         let rows: Vec<_> = entries.iter().map(row).collect();
-        terminal::print(&format!("{:#}\n", json!({ "folder": cache.root, "chunks": rows })));
+        terminal::print(&format!("{:#}\n", json!({ "folder": root, "chunks": rows })));
         return Ok(Exit::Done);
     }
     for entry in &entries {
@@ -50,7 +61,7 @@ pub fn run(command: &Cache) -> Result<Exit, Failure> {
     }
     let (chunks, bytes) =
         (entries.iter().map(|entry| entry.chunks).sum::<usize>(), entries.iter().map(|entry| entry.bytes).sum());
-    terminal::print(&format!("{}: {chunks} chunks, {}\n", cache.root.display(), size(bytes)));
+    terminal::print(&format!("{}: {chunks} chunks, {}\n", root.display(), size(bytes)));
     Ok(Exit::Done)
 }
 

@@ -21,6 +21,7 @@ mod said;
 mod shared;
 mod similar;
 mod stats;
+mod task;
 mod users;
 
 use crate::args::{Arguments, Command, Format, RenderersAction};
@@ -48,6 +49,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Explain(command) => explain::run(&command),
         Command::Doc(command) => doc::run(&command),
         Command::Manual(command) => manual::run(&command),
+        Command::Task(command) => task::run(&command),
         Command::Completions { shell } => completions::run(shell),
     };
     let exit = done.unwrap_or_else(|failure| {
@@ -76,8 +78,11 @@ fn format_of(command: &Command) -> Format {
             RenderersAction::List { format } => format,
             RenderersAction::Install { .. } | RenderersAction::Trust => Format::Human,
         },
-        Command::Init(_) | Command::Explain(_) | Command::Doc(_) | Command::Manual(_) | Command::Completions { .. } => {
-            Format::Human
-        }
+        Command::Init(_)
+        | Command::Explain(_)
+        | Command::Doc(_)
+        | Command::Manual(_)
+        | Command::Task(_)
+        | Command::Completions { .. } => Format::Human,
     }
 }

@@ -123,14 +123,7 @@ impl DiskSink {
 
     /// A hash of the paths and contents of the files that `counts` says yes to.
     pub fn content(&self, counts: impl Fn(&str) -> bool) -> blake3::Hash {
-        let mut hasher = blake3::Hasher::new();
-        for (path, hash) in self.manifest.files.iter().filter(|(path, _)| counts(path)) {
-            // Lengths keep two different lists of files from looking alike.
-            hasher.update(&(path.len() as u64).to_le_bytes());
-            hasher.update(path.as_bytes());
-            hasher.update(hash.as_bytes());
-        }
-        hasher.finalize()
+        self.manifest.content(counts)
     }
 
     /// Ends the folder: what is new takes its place, those files that were ours and are no longer part of it go, and the manifest says
@@ -343,7 +336,7 @@ pub(super) fn is_removable(top: &Path, path: &str, hash: &str) -> bool {
 }
 
 /// BLAKE3 of a regular file.
-fn hash_of(path: &Path) -> Option<String> {
+pub(super) fn hash_of(path: &Path) -> Option<String> {
     let mut hasher = blake3::Hasher::new();
     let (mut file, _) = regular::open(path).ok()?;
     io::copy(&mut file, &mut hasher).ok()?;

@@ -2,6 +2,7 @@
 //! rendered again.
 
 mod local;
+pub mod slurm;
 
 use crate::chunk::Store;
 use crate::failure::{Exit, Failure};
@@ -10,7 +11,7 @@ use crate::job::Job;
 pub use local::Local;
 
 /// A chunk to render.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Task {
     /// Which of the jobs.
     pub job: usize,
@@ -97,7 +98,7 @@ pub struct Resources {
 }
 
 /// All executors.
-pub const EXECUTORS: &[&Kind] = &[&local::KIND];
+pub const EXECUTORS: &[&Kind] = &[&local::KIND, &slurm::KIND];
 
 /// The executor called `name`.
 ///
