@@ -6,6 +6,9 @@ use super::*;
 use crate::mesh::{Geometry, sphere};
 
 /// Each sum of a mesh is compared within its bound: what is a little more is seen, what is a little less is not.
+/// A change of what was read, and what is to be said of it.
+type Change = (fn(&mut Geometry), &'static str);
+
 #[test]
 fn every_sum_of_a_mesh() {
     let ball = sphere(2.0, [1.0, 2.0, 3.0], 12, 6).expect("a good sphere");
@@ -68,7 +71,7 @@ fn every_number_of_a_mesh_file() {
     let positions = vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]];
     let mesh = Geometry { positions, normals, uvs, triangles: vec![[0, 1, 2]] };
     let print = |mesh: &Geometry| Measure::whole(mesh.into()).print;
-    let rows: &[(fn(&mut Geometry), &str)] = &[
+    let rows: &[Change] = &[
         (|mesh| mesh.triangles[0] = [1, 2, 0], "other corners of its triangles"),
         (|mesh| mesh.positions[2][2] = -0.0, "other positions of its vertices"),
         (|mesh| mesh.positions.swap(1, 2), "other positions of its vertices"),
@@ -100,7 +103,7 @@ fn every_vertex_that_a_file_holds_itself() {
         vertices::difference(placed(&ball), placed(&other), 0.0).unwrap_or_default()
     };
     assert_eq!(what(|_| ()), "");
-    let rows: &[(fn(&mut Geometry), &str)] = &[
+    let rows: &[Change] = &[
         (|mesh| mesh.triangles.truncate(9), "triangles instead of"),
         (|mesh| mesh.triangles.swap(0, 1), "other corners of its triangles"),
         (|mesh| mesh.positions.push([0.0; 3]), "vertices instead of"),

@@ -371,10 +371,8 @@ fn images_of_materials() {
     let scene = painted();
     fn image(read: &mut Reading) -> &mut Paint {
         let at = shape(read, BALL).material;
-        match &mut read.materials[at].model {
-            Model::Diffuse { reflectance } => reflectance,
-            other => panic!("{other:?}"),
-        }
+        let Model::Diffuse { reflectance } = &mut read.materials[at].model else { panic!("another material") };
+        reflectance
     }
     let rows: &[Row] = &[
         (|read| *image(read) = Paint::Color([0.5; 3]), "material `painted` does not show the image `tiles`"),
