@@ -4,6 +4,7 @@ mod agree;
 mod audit;
 mod blender;
 mod cases;
+mod chunks;
 mod cli;
 mod conventions;
 mod edits;

@@ -1,0 +1,128 @@
+//! Long renderings in chunks: what was rendered once is not rendered again, by a run that goes on after it was killed, by one that asks for
+//! more samples, and by two at once. The renderer is a stand-in that counts its calls.
+#![cfg(unix)]
+
+use std::fs;
+use std::os::unix::fs::PermissionsExt;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+use ltsc_render::image::{Image, Provenance, attributes, write_exr};
+
+use super::cli::MINIMAL;
+use super::{ltsc, run};
+
+struct Stage {
+    folder: tempfile::TempDir,
+}
+
+impl Stage {
+    fn new() -> Self {
+        let stage = Self { folder: tempfile::tempdir().expect("a folder") };
+        fs::create_dir(stage.path("scenes")).expect("a folder");
+        fs::write(stage.path("scenes/one.lts"), MINIMAL.replace("NAME", "one")).expect("a scene");
+        write_exr(&stage.path("image.exr"), &Image::filled(8, 8, [0.5, 0.25, 1.0]), &Provenance::default())
+            .expect("an image");
+        let here = stage.folder.path().display().to_string();
+        let body = format!(
+            "#!/bin/sh\necho pbrt-r4 4.5.2\nif [ \"$1\" = --version ]; then exit 0; fi\n\
+             echo call >> {here}/calls\nsleep 0.1\nwhile [ \"$1\" != --outfile ]; do shift; done\n\
+             if [ -f {here}/fails ]; then echo 'it fails'; exit 1; fi\ncp {here}/image.exr \"$2\"\n"
+        );
+        fs::write(stage.path("pbrt-r4"), body).expect("a program");
+        fs::set_permissions(stage.path("pbrt-r4"), fs::Permissions::from_mode(0o755)).expect("rights");
+        stage
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn ltsc(&self, words: &[&str]) -> Command {
+        let mut command = ltsc();
+        command.current_dir(self.folder.path()).env("LTSC_CACHE", self.path("cache")).args(words);
+        command
+    }
+
+    fn render(&self, samples: u32, image: &str) -> Command {
+        let mut command = self.ltsc(&["render", "scenes/one.lts", "--renderer", "pbrt-r4", "--width", "8", "--height", "8"]);
+        command.args(["--samples", &samples.to_string(), "-o", image, "--executable"]).arg(self.path("pbrt-r4"));
+        command
+    }
+
+    /// How often the renderer was called.
+    fn calls(&self) -> usize {
+        fs::read_to_string(self.path("calls")).unwrap_or_default().lines().count()
+    }
+
+    fn chunks(&self) -> u64 {
+        let ran = run(&mut self.ltsc(&["cache", "--format", "json"]));
+        let document: serde_json::Value = serde_json::from_str(&ran.out).expect("JSON");
+        let rows = document["chunks"].as_array().expect("rows");
+        rows.iter().map(|row| row["chunks"].as_u64().expect("a number")).sum()
+    }
+}
+
+#[test]
+fn a_rendering_that_is_killed_goes_on_and_more_samples_need_only_the_rest() {
+    let stage = Stage::new();
+    let mut child = stage.render(16_384, "a.exr").stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("ltsc");
+    let start = Instant::now();
+    while stage.calls() < 4 {
+        assert!(start.elapsed() < Duration::from_secs(60), "it does not start");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    child.kill().expect("killed");
+    child.wait().expect("ended");
+    let (before, called) = (stage.chunks(), stage.calls() as u64);
+    assert!(before >= 3 && before < 16, "{before} chunks");
+    let ran = run(&mut stage.render(16_384, "a.exr"));
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    assert!(ran.err.contains(&format!("{before} of 16 chunks of 1024 samples were there from before")), "{}", ran.err);
+    assert_eq!((stage.chunks(), stage.calls() as u64), (16, called + 16 - before), "a chunk was rendered twice");
+    let header = attributes(&stage.path("a.exr")).expect("a header");
+    let has = |name: &str, value: &str| header.iter().any(|(known, found)| known == name && found == value);
+    assert!(has("ltsc:samples", "16384") && has("ltsc:chunks", "16 of 1024 samples"), "{header:?}");
+    // The same again renders nothing; more samples need the rest.
+    let calls = stage.calls();
+    assert_eq!(run(&mut stage.render(16_384, "b.exr")).code, Some(0));
+    assert_eq!(stage.calls(), calls);
+    assert_eq!(run(&mut stage.render(18_000, "c.exr")).code, Some(0));
+    assert_eq!(stage.calls(), calls + 2);
+    // Few samples are no chunks.
+    assert_eq!(run(&mut stage.render(16, "d.exr")).code, Some(0));
+    assert_eq!((stage.chunks(), stage.calls()), (18, calls + 3));
+    let ran = run(&mut stage.ltsc(&["cache", "prune", "--days", "0"]));
+    assert!(ran.code == Some(0) && ran.err.contains("18 chunks removed"), "{}", ran.err);
+    assert_eq!(stage.chunks(), 0);
+}
+
+#[test]
+fn two_at_once_share_the_work() {
+    let stage = Stage::new();
+    let begin = |image: &str| {
+        stage.render(8192, image).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("ltsc")
+    };
+    let children = [begin("a.exr"), begin("b.exr")];
+    for child in children {
+        let out = child.wait_with_output().expect("ended");
+        assert!(out.status.success(), "{}", String::from_utf8_lossy(&out.stderr));
+    }
+    assert_eq!((stage.chunks(), stage.calls()), (8, 8));
+}
+
+#[test]
+fn a_renderer_that_fails_leaves_what_was_rendered_and_its_log() {
+    let stage = Stage::new();
+    assert_eq!(run(&mut stage.render(8192, "a.exr")).code, Some(0));
+    fs::write(stage.path("fails"), "").expect("written");
+    let ran = run(&mut stage.render(10_000, "b.exr"));
+    assert_eq!(ran.code, Some(4), "{}", ran.err);
+    assert!(ran.err.contains("it fails"), "{}", ran.err);
+    assert_eq!(stage.chunks(), 8);
+    assert!(!stage.path("b.exr").exists());
+    fs::remove_file(stage.path("fails")).expect("removed");
+    let ran = run(&mut stage.render(10_000, "b.exr"));
+    assert_eq!((ran.code, stage.chunks()), (Some(0), 10), "{}", ran.err);
+}
