@@ -1,7 +1,11 @@
-//! `ltsc similar`: the bounds that the help states, held against the eleven scenes, and what drafts are told.
+//! `ltsc similar`: the bounds that the help states, held against the eleven scenes that they were chosen by and against others, and
+//! what drafts are told.
+
+mod drafts;
 
 use std::collections::BTreeMap;
 use std::fs;
+use std::sync::OnceLock;
 
 use ltsc_core::diag::Sources;
 use ltsc_core::files::{MemoryFiles, VPath};
@@ -11,7 +15,7 @@ use ltsc_core::similar::{Near, Nearness, Profile, rank};
 use serde_json::Value;
 
 use super::outputs::{CLEAN, project};
-use super::{files_below, ltsc, root, run};
+use super::{files_below, ltsc, root, run, scenes};
 
 fn answer(folder: &std::path::Path, scene: &str) -> Value {
     let ran = run(ltsc().current_dir(folder).args(["similar", scene, "--format", "json"]));
@@ -34,8 +38,13 @@ const ELEVEN: [&str; 11] = [
     "veach_mis",
 ];
 
-/// What they are compared by.
-fn profiles() -> Vec<Profile> {
+/// What the project's scenes are compared by.
+fn profiles() -> &'static [Profile] {
+    static PROFILES: OnceLock<Vec<Profile>> = OnceLock::new();
+    PROFILES.get_or_init(read_profiles)
+}
+
+fn read_profiles() -> Vec<Profile> {
     let mut files = MemoryFiles::default();
     for path in files_below(&root().join("scenes-src")) {
         files.insert(path.clone(), fs::read(root().join("scenes-src").join(&path)).expect("a file"));
@@ -47,7 +56,7 @@ fn profiles() -> Vec<Profile> {
         let checked = pipeline::check(&files, &mut Sources::default(), &path, &options);
         Profile::of(&checked.scene.unwrap_or_else(|| panic!("{name}: {:#?}", checked.findings)))
     };
-    ELEVEN.into_iter().map(of).collect()
+    scenes().iter().map(|name| of(name)).collect()
 }
 
 /// Whether one of two scenes names the other in `similar`.
@@ -58,7 +67,8 @@ fn named(a: &str, b: &str) -> bool {
 
 #[test]
 fn the_bounds_tell_the_eleven_scenes_apart() {
-    let profiles = profiles();
+    let profiles: Vec<Profile> =
+        profiles().iter().filter(|profile| ELEVEN.contains(&profile.name.as_str())).cloned().collect();
     let mut pairs: BTreeMap<(String, String), Near> = BTreeMap::new();
     for own in &profiles {
         let others: Vec<Profile> = profiles.iter().filter(|other| other.name != own.name).cloned().collect();

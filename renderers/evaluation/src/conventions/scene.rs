@@ -4,6 +4,7 @@ use ltsc_core::diag::{Severity, Sources};
 use ltsc_core::eval::Overrides;
 use ltsc_core::files::{MemoryFiles, VPath};
 use ltsc_core::ir::{Documentation, Scene};
+use ltsc_core::lint::{Level, Levels};
 use ltsc_core::pipeline::{self, Checked, Options};
 use ltsc_core::valid::Valid;
 
@@ -38,8 +39,20 @@ pub const IMAGES: &[(&str, &[u8])] = &[
     image!("sky.exr"),
 ];
 
-/// Reads the scene of a view. What lint says of it is not asked here: some conventions are about what it refuses.
+/// Reads the scene of a view. Lint is not asked: it takes longer than all else, and some conventions are about what it refuses.
+fn read(convention: &Convention, view: &View) -> Result<Checked, Failure> {
+    let mut levels = Levels::default();
+    levels.set("all", Level::Allow).map_err(|error| Failure::new(Exit::Fault, error.message))?;
+    linted(convention, view, levels)
+}
+
+/// The same with what lint says.
+#[cfg(test)]
 pub fn checked(convention: &Convention, view: &View) -> Result<Checked, Failure> {
+    linted(convention, view, Levels::default())
+}
+
+fn linted(convention: &Convention, view: &View, levels: Levels) -> Result<Checked, Failure> {
     let fault = |message: String| Failure::new(Exit::Fault, format!("the convention `{}`: {message}", convention.name));
     let name = format!("{}.lts", convention.name);
     let mut files = MemoryFiles::default();
@@ -54,7 +67,7 @@ pub fn checked(convention: &Convention, view: &View) -> Result<Checked, Failure>
         set: set.collect(),
         ..Overrides::default()
     };
-    let options = Options { overrides, ..Options::default() };
+    let options = Options { overrides, levels, ..Options::default() };
     let checked = pipeline::check(&files, &mut Sources::default(), &path, &options);
     match checked.findings.iter().find(|finding| finding.severity == Severity::Error) {
         Some(finding) => Err(fault(finding.message.clone())),
@@ -65,7 +78,7 @@ pub fn checked(convention: &Convention, view: &View) -> Result<Checked, Failure>
 /// The scene of a view, ready for emitters.
 pub fn prepared(convention: &Convention, view: &View) -> Result<Valid, Failure> {
     let fault = |message: &str| Failure::new(Exit::Fault, format!("the convention `{}`: {message}", convention.name));
-    let scene: Scene = checked(convention, view)?.scene.ok_or_else(|| fault("it gives no scene"))?;
+    let scene: Scene = read(convention, view)?.scene.ok_or_else(|| fault("it gives no scene"))?;
     let (scene, _) = pipeline::prepare(scene)
         .map_err(|findings| fault(findings.first().map_or("it is not valid", |finding| finding.message.as_str())))?;
     Ok(scene)
@@ -74,7 +87,7 @@ pub fn prepared(convention: &Convention, view: &View) -> Result<Valid, Failure> 
 /// What the convention says in words.
 pub fn documentation(convention: &Convention) -> Result<Documentation, Failure> {
     let view = View::plain(&[]);
-    let scene = checked(convention, &view)?.scene;
+    let scene = read(convention, &view)?.scene;
     scene
         .map(|scene| scene.documentation)
         .ok_or_else(|| Failure::new(Exit::Fault, format!("the convention `{}` gives no scene", convention.name)))
