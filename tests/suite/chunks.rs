@@ -46,7 +46,8 @@ impl Stage {
     }
 
     fn render(&self, samples: u32, image: &str) -> Command {
-        let mut command = self.ltsc(&["render", "scenes/one.lts", "--renderer", "pbrt-r4", "--width", "8", "--height", "8"]);
+        let mut command =
+            self.ltsc(&["render", "scenes/one.lts", "--renderer", "pbrt-r4", "--width", "8", "--height", "8"]);
         command.args(["--samples", &samples.to_string(), "-o", image, "--executable"]).arg(self.path("pbrt-r4"));
         command
     }
@@ -101,9 +102,8 @@ fn a_rendering_that_is_killed_goes_on_and_more_samples_need_only_the_rest() {
 #[test]
 fn two_at_once_share_the_work() {
     let stage = Stage::new();
-    let begin = |image: &str| {
-        stage.render(8192, image).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("ltsc")
-    };
+    let begin =
+        |image: &str| stage.render(8192, image).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("ltsc");
     let children = [begin("a.exr"), begin("b.exr")];
     for child in children {
         let out = child.wait_with_output().expect("ended");
