@@ -39,7 +39,7 @@ impl Stage {
     fn new() -> Self {
         let folder = tempfile::tempdir().expect("a folder");
         let stage = Self { path: folder.path().to_owned(), _folder: Some(folder) };
-        for name in ["bin", "shared", "renders"] {
+        for name in ["bin", "shared", "renders", "tmp"] {
             fs::create_dir(stage.at(name)).expect("a folder");
         }
         let image = Image::filled(16, 8, [1.0, 2.0, 3.0]);
@@ -117,6 +117,8 @@ impl Stage {
         let suite = std::env::current_exe().expect("this program");
         let mut command = Command::new(suite);
         command.args(["--ignored", "--exact", "slurm::a_process_of_its_own"]).env(PLACE, &self.path);
+        // Nobody removes the temporary folders of a test that is killed.
+        command.env("TMPDIR", self.at("tmp"));
         command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("started")
     }
 
