@@ -43,9 +43,7 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
     let writing = Writing { camera: Some(scene.camera), choices: scene.project.choices.clone(), ledger: Some(&ledger) };
     let job = Job::written(&scene.scene, &runner, &writing)?;
     let log = log_of(command);
-    let whole = Log::begin(&log, command.force)?;
-    let rendered = watch(&job, plan, seed, &log)?;
-    drop(whole);
+    let rendered = watch(&job, plan, seed, (&log, command.force))?;
     let provenance = provenance(command, driver, (&scene, seed), &rendered);
     let bytes = exr_bytes(&command.output, &rendered.image, &provenance)
         .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))?;
@@ -150,12 +148,13 @@ fn runner(command: &Render, driver: &'static Driver, scene: &One) -> Result<Runn
 }
 
 /// Renders under a progress bar.
-fn watch(job: &Job<'_>, plan: Plan, seed: u32, log: &Path) -> Result<Rendered, Failure> {
+fn watch(job: &Job<'_>, plan: Plan, seed: u32, (log, force): (&Path, bool)) -> Result<Rendered, Failure> {
     let what = format!("{} ({})", job.scene(), job.runner().driver.name);
     let samples = plan.samples;
     if let (2.., Some(cache)) = (plan.count, &job.runner().cache) {
-        return chunked(&Store::of(cache), job, plan, seed, log);
+        return chunked(&Store::of(cache), job, plan, seed, (log, force));
     }
+    let _whole = Log::begin(log, force)?;
     let mut bar = Bar::new(u64::from(samples), &what);
     let rendered = job.render_logged(samples, seed, log, &mut |progress| match progress {
         Progress::Samples { done, total: _, seconds: _ } => bar.set(done),
@@ -167,13 +166,21 @@ fn watch(job: &Job<'_>, plan: Plan, seed: u32, log: &Path) -> Result<Rendered, F
 }
 
 /// Renders a long image in chunks, which are kept, so that a run that is ended goes on where it was.
-fn chunked(store: &Store, job: &Job<'_>, plan: Plan, seed: u32, log: &Path) -> Result<Rendered, Failure> {
+fn chunked(
+    store: &Store,
+    job: &Job<'_>,
+    plan: Plan,
+    seed: u32,
+    (log, force): (&Path, bool),
+) -> Result<Rendered, Failure> {
     let first = seed.checked_mul(plan.count).ok_or_else(|| {
         Failure::new(Exit::Usage, format!("the seed {seed} is too large for an image in {} chunks", plan.count))
             .help("count seeds from 0")
     })?;
     let chunks = chunk::render(store, job, plan, first, &mut Watcher::default())?;
     let (image, _) = chunks.combined()?;
+    // Each chunk has a log of its own; a run that is killed before leaves none here.
+    let _whole = Log::begin(log, force)?;
     append(log, &mut |out| chunks.write_logs(out)).map_err(|error| unwritable(log, &error))?;
     let cost = chunks.cost;
     Ok(Rendered {
