@@ -4,9 +4,13 @@
 build:
     cargo run -- build scenes-src
 
-# All tests; renderers and reference images that are missing are skipped and named.
+# The tests of minutes; renderers and reference images that are missing are skipped and named.
 test:
     cargo test
+
+# The long tests: more scenes, more samples.
+long:
+    cargo test -- --ignored
 
 # Formatting and lints.
 check:
@@ -16,6 +20,7 @@ check:
 # Rewrite snapshots and expected files.
 bless:
     INSTA_UPDATE=always cargo test
+    INSTA_UPDATE=always cargo test --test suite -- --ignored mutations:: pages::
 
 # Benchmarks, on demand.
 bench:

@@ -11,7 +11,7 @@ use serde_json::Value;
 
 use super::micro::{self, THINGS};
 use super::render::room_text;
-use super::{Disk, ltsc, prepared, python, root, run, scenes, skip};
+use super::{Disk, QUICK, ltsc, prepared, python, root, run, scenes, skip};
 
 /// Prints a line of JSON for each file: what Blender has after the import. Instances count one by one.
 const SCRIPT: &str = "
@@ -119,43 +119,19 @@ fn judge(scene: &Valid, file: &Path, report: &Value) {
     }
 }
 
-#[test]
-fn every_scene_is_imported_as_it_is() {
+/// Imports these scenes of ours, for each target, and others that are given with their files.
+fn imported(names: &[String], others: impl FnOnce(&Path) -> Vec<(Valid, Vec<PathBuf>)>) {
     let Some(python) = python("cycles") else {
         return skip("glTF in Blender", "`ltsc renderers install cycles`");
     };
     let folder = tempfile::tempdir().expect("a folder");
     let mut cases: Vec<(Valid, Vec<PathBuf>)> = Vec::new();
-    for scene in scenes() {
-        let generated = root().join("generated").join(&scene);
+    for scene in names {
+        let generated = root().join("generated").join(scene);
         let files = ["gltf", "glb"].map(|form| generated.join(form).join(format!("{scene}.{form}")));
         cases.push((prepared(&Disk(root().to_path_buf()), &format!("scenes-src/{scene}.lts")), files.to_vec()));
     }
-    std::fs::write(folder.path().join("small.lts"), SMALL).expect("a write");
-    let small = (prepared(&Disk(folder.path().to_path_buf()), "small.lts"), folder.path().join("small.lts"));
-    let many = "scenes-src/cboxm_diffuse_lvar.lts";
-    let many = (prepared(&Disk(root().to_path_buf()), many), root().join(many));
-    for (scene, file) in [small, many] {
-        let mut files = Vec::new();
-        for (form, options) in
-            [("gltf", &[][..]), ("gltf", &["--option", "gltf.instancing"]), ("glb", &["--option", "glb.instancing"])]
-        {
-            let out = folder.path().join(format!("{}-{form}{}", scene.name, options.len()));
-            let emit = run(ltsc().arg("emit").arg(&file).args(["--target", form, "-o"]).arg(&out).args(options));
-            assert_eq!(emit.code, Some(0), "{}", emit.err);
-            files.push(out.join(format!("{}.{form}", scene.name)));
-        }
-        cases.push((scene, files));
-    }
-    for (name, thing) in THINGS {
-        let file = folder.path().join(format!("{name}.lts"));
-        std::fs::write(&file, room_text(name, 6, thing)).expect("a write");
-        let out = folder.path().join(name);
-        let option = ["--target", "glb", "--option", "glb.instancing", "-o"];
-        let emit = run(ltsc().arg("emit").arg(&file).args(option).arg(&out));
-        assert_eq!(emit.code, Some(0), "{}", emit.err);
-        cases.push((micro::scene(name, thing), vec![out.join(format!("{name}.glb"))]));
-    }
+    cases.extend(others(folder.path()));
     let files: Vec<&PathBuf> = cases.iter().flat_map(|(_, files)| files).collect();
     let output = Command::new(python).args(["-I", "-c", SCRIPT]).args(&files).output().expect("Python starts");
     let log = String::from_utf8_lossy(&output.stdout);
@@ -172,4 +148,51 @@ fn every_scene_is_imported_as_it_is() {
             judge(scene, file, reports.next().expect("a report"));
         }
     }
+}
+
+/// A scene in each form that glTF has.
+fn forms(folder: &Path, scene: Valid, file: &Path) -> (Valid, Vec<PathBuf>) {
+    let mut files = Vec::new();
+    for (form, options) in
+        [("gltf", &[][..]), ("gltf", &["--option", "gltf.instancing"]), ("glb", &["--option", "glb.instancing"])]
+    {
+        let out = folder.join(format!("{}-{form}{}", scene.name, options.len()));
+        let emit = run(ltsc().arg("emit").arg(file).args(["--target", form, "-o"]).arg(&out).args(options));
+        assert_eq!(emit.code, Some(0), "{}", emit.err);
+        files.push(out.join(format!("{}.{form}", scene.name)));
+    }
+    (scene, files)
+}
+
+fn small(folder: &Path) -> (Valid, Vec<PathBuf>) {
+    let file = folder.join("small.lts");
+    std::fs::write(&file, SMALL).expect("a write");
+    forms(folder, prepared(&Disk(folder.to_path_buf()), "small.lts"), &file)
+}
+
+fn thing(folder: &Path, name: &str, thing: &str) -> (Valid, Vec<PathBuf>) {
+    let file = folder.join(format!("{name}.lts"));
+    std::fs::write(&file, room_text(name, 6, thing)).expect("a write");
+    let out = folder.join(name);
+    let option = ["--target", "glb", "--option", "glb.instancing", "-o"];
+    let emit = run(ltsc().arg("emit").arg(&file).args(option).arg(&out));
+    assert_eq!(emit.code, Some(0), "{}", emit.err);
+    (micro::scene(name, thing), vec![out.join(format!("{name}.glb"))])
+}
+
+#[test]
+fn small_scenes_are_imported_as_they_are() {
+    imported(&QUICK.map(str::to_owned), |folder| {
+        let things = THINGS.iter().map(|(name, text)| thing(folder, name, text));
+        [small(folder)].into_iter().chain(things).collect()
+    });
+}
+
+#[test]
+#[ignore = "long: scenes of hundreds of instances and of water"]
+fn every_scene_is_imported_as_it_is() {
+    imported(&scenes(), |folder| {
+        let many = "scenes-src/cboxm_diffuse_lvar.lts";
+        vec![forms(folder, prepared(&Disk(root().to_path_buf()), many), &root().join(many))]
+    });
 }

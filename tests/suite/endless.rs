@@ -20,13 +20,17 @@ const BOUNDS: [&str; 5] = ["step-limit", "memory-limit", "triangle-limit", "list
 
 /// What the text means within small limits, and the codes of its errors.
 fn evaluated(text: &str) -> (Evaluated, Vec<&'static str>) {
+    evaluated_in(text, 20_000)
+}
+
+fn evaluated_in(text: &str, steps: u64) -> (Evaluated, Vec<&'static str>) {
     let mut files = MemoryFiles::default();
     files.insert("a.lts", text.as_bytes());
     files.insert("oak.png", include_bytes!("../cases/textures/quads.png"));
     files.insert("table.glb", include_bytes!("../cases/meshes/table.glb"));
     files.insert("many.npy", npy("(20000, 3)", 60_000));
     let mut overrides = Overrides::default();
-    overrides.limits.steps = 20_000;
+    overrides.limits.steps = steps;
     overrides.limits.memory = 64 << 20;
     overrides.limits.triangles = 200_000;
     let before = Instant::now();
@@ -135,24 +139,37 @@ fn call(row: &Constructor) -> String {
     }
 }
 
-#[test]
-fn no_built_in_runs_without_end() {
+/// Each built-in in one of two loops by turns, or in the other one. Values are a quarter as long as elsewhere, and so are the bounds.
+fn loops_end(other: usize) {
+    let values = VALUES.replace("0..3999", "0..999");
+    assert_ne!(values, VALUES);
     let mut wrong = Vec::new();
-    for row in table() {
+    for (at, row) in table().enumerate() {
         let call = call(row);
-        for text in [
-            format!("{VALUES}let all = [for i in 0..999999: {call}]\n"),
+        let text = if (at + other).is_multiple_of(2) {
+            format!("{values}let all = [for i in 0..999999: {call}]\n")
+        } else {
             format!(
-                "{VALUES}let f(i: number) = {call}\nfor i in 0..999, j in 0..999 {{\n    let a = f(j)\n    let c = {call}\n}}\n"
-            ),
-        ] {
-            let (_, errors) = evaluated(&text);
-            if errors.is_empty() || !errors.iter().all(|one| BOUNDS.contains(one)) {
-                wrong.push(format!("`{call}` of {} ends by {errors:?}", row.family.words()));
-            }
+                "{values}let f(i: number) = {call}\nfor i in 0..999, j in 0..999 {{\n    let a = f(j)\n    let c = {call}\n}}\n"
+            )
+        };
+        let (_, errors) = evaluated_in(&text, 5_000);
+        if errors.is_empty() || !errors.iter().all(|one| BOUNDS.contains(one)) {
+            wrong.push(format!("`{call}` of {} ends by {errors:?}", row.family.words()));
         }
     }
     assert!(wrong.is_empty(), "does `special` need a call of one of these?\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn no_built_in_runs_without_end() {
+    loops_end(0);
+}
+
+#[test]
+#[ignore = "long: each built-in in the loop that it was not in"]
+fn no_built_in_runs_without_end_in_the_other_loop() {
+    loops_end(1);
 }
 
 #[test]

@@ -47,20 +47,27 @@ fn everything_has_one_form_and_means_the_same_in_it() {
         let all: Vec<String> = files_below(&folder);
         let read = |path: &str| fs::read(folder.join(path)).expect("a file");
         let (mut before, mut after) = (MemoryFiles::default(), MemoryFiles::default());
-        let mut texts = Vec::new();
+        // What may mean something else: texts that get another form, and those that use others.
+        let (mut texts, mut changed) = (Vec::new(), 0);
         for path in &all {
             let bytes = read(path);
             let text = path.ends_with(".lts").then(|| String::from_utf8(bytes.clone()).expect("text"));
-            let made = text.and_then(|text| formatted(path, &text));
+            let made = text.as_ref().and_then(|text| formatted(path, text));
             if let Some(made) = &made {
-                assert_eq!(formatted(path, made).as_ref(), Some(made), "{path} has two forms");
                 parsed += 1;
-                texts.push(path);
+                if text.as_ref() != Some(made) {
+                    changed += 1;
+                    assert_eq!(formatted(path, made).as_ref(), Some(made), "{path} has two forms");
+                    texts.push(path);
+                } else if made.contains("\nuse ") {
+                    texts.push(path);
+                }
             }
             after.insert(path, made.map_or_else(|| bytes.clone(), String::into_bytes));
             before.insert(path, bytes);
         }
-        for path in texts {
+        let evaluated = if changed > 0 { texts } else { Vec::new() };
+        for path in evaluated {
             let path = VPath::resolve("", path).expect("a path");
             let scene =
                 |files: &MemoryFiles| evaluate(files, &mut Sources::default(), &path, &Overrides::default()).scene;
@@ -73,7 +80,7 @@ fn everything_has_one_form_and_means_the_same_in_it() {
             assert!(same, "{path} is another scene when it is formatted");
         }
     }
-    assert!(parsed >= 30 && scenes >= 15, "{parsed} texts, {scenes} scenes");
+    assert!(parsed >= 30 && scenes >= 3, "{parsed} texts, {scenes} scenes");
 }
 
 /// Whether two scenes are equal but for the places that their items come from.

@@ -113,6 +113,9 @@ fn scenes() -> Vec<String> {
     names
 }
 
+/// Scenes that are quick to build and have every kind of loss: a plain run builds them, the long one all.
+const QUICK: [&str; 4] = ["cbox_classic", "cbox_indirect", "ring", "surfaces"];
+
 /// Files below a folder.
 struct Disk(PathBuf);
 

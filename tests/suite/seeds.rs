@@ -4,7 +4,7 @@ use ltsc_render::cache::CachePaths;
 use ltsc_render::env::Env;
 use ltsc_render::image::{Image, read};
 use ltsc_render::install::{Status, status};
-use ltsc_render::run::{DRIVERS, Installation};
+use ltsc_render::run::{DRIVERS, Driver, Installation};
 
 use super::{ltsc, root, run, skip};
 
@@ -16,9 +16,21 @@ const FEW: [u32; 5] = [0, 1, 2, 3, 5];
 
 #[test]
 fn seeds_change_the_noise_and_not_the_image() {
+    seeds(|name| name != "cycles");
+}
+
+/// Cycles takes two seconds to start.
+#[test]
+#[ignore = "long: Cycles starts five times"]
+fn seeds_change_the_noise_and_not_the_image_in_cycles() {
+    seeds(|name| name == "cycles");
+}
+
+fn seeds(asked: impl Fn(&str) -> bool) {
     let env = Env::of_process();
     let cache = CachePaths::find(&env);
-    for driver in DRIVERS.iter().filter(|driver| !matches!(driver.installation, Installation::User { .. })) {
+    let ours = |driver: &&Driver| !matches!(driver.installation, Installation::User { .. });
+    for &driver in DRIVERS.iter().filter(|driver| ours(driver) && asked(driver.name)) {
         let there = matches!(status(driver, cache.as_ref(), &env), Status::Installed { .. } | Status::External { .. });
         if !there {
             skip("seeds", &format!("`ltsc renderers install {}`", driver.name));

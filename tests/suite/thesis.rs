@@ -9,7 +9,7 @@ use ltsc_render::image::{Image, read};
 
 use super::{corpus, python, root, skip};
 
-/// Scene, samples of each image, and whether it takes part in every run. With `LTSC_THOROUGH=1` all do, with 256 samples:
+/// Scene, samples of each image, and whether it takes part in every long run. With `LTSC_THOROUGH=1` all do, with 256 samples:
 /// then the means tell differences of 0.5 % (a quarter of an hour on two cores).
 const SCENES: &[(&str, u32, bool)] = &[
     ("cbox_classic", 64, false),
@@ -22,6 +22,9 @@ const SCENES: &[(&str, u32, bool)] = &[
     ("ring", 64, true),
     ("veach_mis", 64, false),
 ];
+
+/// The one of a plain run, with few samples: its bounds follow from the noise that is found.
+const QUICK: &[(&str, u32)] = &[("cbox_indirect", 8)];
 
 /// Images of each side.
 const SEEDS: usize = 4;
@@ -86,26 +89,34 @@ fn variance(values: &[f64]) -> f64 {
     values.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (values.len() - 1) as f64
 }
 
-#[test]
-fn our_scenes_are_those_of_the_thesis() {
+/// Renders the scenes of both sides, with so many samples, and compares them.
+fn judge(scenes: &[(&str, u32)]) {
     let Some(python) = python("mitsuba-3") else {
         return skip("the thesis's scenes", "`ltsc renderers install mitsuba-3`");
     };
     let Some(corpus) = corpus() else { return skip("the thesis's scenes", "../shared/corpus/lteval") };
     let folder = tempfile::tempdir().expect("a folder");
-    let thorough = std::env::var_os("LTSC_THOROUGH").is_some_and(|value| value == "1");
-    for (scene, samples, always) in SCENES {
-        let samples = if thorough { 256 } else { *samples };
-        if !thorough && !always {
-            continue;
-        }
+    for (scene, samples) in scenes {
         let theirs = corpus.join(scene).join("mitsuba_0_5");
         let ours = root().join(format!("generated/{scene}/mitsuba-3"));
         // Other seeds, so that noise that both sides share hides nothing.
-        let theirs = rendered(&python, &theirs, samples, 1, &folder.path().join("theirs"));
-        let ours = rendered(&python, &ours, samples, 101, &folder.path().join("ours"));
+        let theirs = rendered(&python, &theirs, *samples, 1, &folder.path().join("theirs"));
+        let ours = rendered(&python, &ours, *samples, 101, &folder.path().join("ours"));
         compare(scene, &theirs, &ours);
     }
+}
+
+#[test]
+fn a_scene_of_ours_is_that_of_the_thesis() {
+    judge(QUICK);
+}
+
+#[test]
+#[ignore = "long: 32 images of 128 x 128 pixels"]
+fn our_scenes_are_those_of_the_thesis() {
+    let thorough = std::env::var_os("LTSC_THOROUGH").is_some_and(|value| value == "1");
+    let asked = SCENES.iter().filter(|(_, _, always)| thorough || *always);
+    judge(&asked.map(|(scene, samples, _)| (*scene, if thorough { 256 } else { *samples })).collect::<Vec<_>>());
 }
 
 fn compare(scene: &str, theirs: &[Image], ours: &[Image]) {

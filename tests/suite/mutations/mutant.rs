@@ -41,8 +41,8 @@ pub struct Place {
 }
 
 impl Mutant {
-    /// The scenes of the project, in the order of their names.
-    pub fn all() -> Vec<Self> {
+    /// These scenes of the project.
+    pub fn of(scenes: &[String]) -> Vec<Self> {
         let folder = root().join("scenes-src");
         let mut files = MemoryFiles::default();
         for path in files_below(&folder) {
@@ -51,14 +51,14 @@ impl Mutant {
         let names = super::super::scenes();
         let path = |name: &String| VPath::resolve("", &format!("{name}.lts")).expect("a path");
         let headers = names.iter().filter_map(|name| eval::header(&files, &path(name), Limits::default()));
-        let scenes: BTreeMap<String, Documentation> = headers.collect();
+        let documentation: BTreeMap<String, Documentation> = headers.collect();
         let one = |name: &String| {
             let text = fs::read_to_string(folder.join(format!("{name}.lts"))).expect("a scene");
             let made = eval::evaluate(&files, &mut Sources::default(), &path(name), &Overrides::default());
             let scene = made.scene.unwrap_or_else(|| panic!("{name}: {:#?}", made.findings));
-            Self { scene, scenes: scenes.clone(), text }
+            Self { scene, scenes: documentation.clone(), text }
         };
-        names.iter().map(one).collect()
+        scenes.iter().map(one).collect()
     }
 
     /// What lint finds.
