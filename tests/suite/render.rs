@@ -69,7 +69,8 @@ fn judge(what: &str, a: &Image, b: &Image, mean: f64, tile: f64) {
     assert_eq!((shift.dx, shift.dy), (0, 0), "{what}: the image is shifted");
 }
 
-/// A sixteenth of the pixels and an eighth of the samples of the long run: whatever is off by more than noise.
+/// A sixteenth of the samples of a tile at 512 in the long run, where the noisiest has a standard deviation of 0.9 %: here it has
+/// 3.6 %, and the mean of 64 tiles at most 0.45 %. The bounds are four of them.
 #[test]
 fn two_renderers_give_one_small_image_of_cbox_classic() {
     if !there("mitsuba-3") || !there("luxcore") {
