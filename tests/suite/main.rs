@@ -9,6 +9,7 @@ mod cli;
 mod conventions;
 mod edits;
 mod endless;
+mod evaluation_file;
 mod files;
 mod fixes;
 mod format;

@@ -2,7 +2,7 @@
 //!
 //! Reading order: `failure` (how a command ends), `watch` (news while it goes on), `disk` (what is written appears as a whole), `job` (a
 //! scene through a renderer), `compare` (statistics of images, and the verdict), `conventions` (micro-scenes of known answers),
-//! `agree` (renderers against each other). This is the only package that knows both scenes and renderers; it knows no arguments and
+//! `agree` (renderers against each other), `file` (what an evaluation file says). This is the only package that knows both scenes and renderers; it knows no arguments and
 //! no terminal.
 
 pub mod agree;
@@ -12,5 +12,6 @@ pub mod conventions;
 pub mod disk;
 pub mod executor;
 pub mod failure;
+pub mod file;
 pub mod job;
 pub mod watch;

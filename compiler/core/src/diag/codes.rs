@@ -38,6 +38,52 @@ pub const CODES: &[Code] = &[
         "duplicate-setting",
         "A setting stands twice in a scene.\nThere is one film, integrator and sampler; several cameras need different names.",
     ),
+    remark(
+        "evaluation-chunks",
+        "A test case has too few chunks for a verdict.\nAn image is rendered as independent chunks, and their differences tell its noise. With fewer than 4 it is not known well enough to say whether images agree; 8 are rendered where nothing is said.",
+    ),
+    code(
+        "evaluation-cycle",
+        "Parameter sets of an evaluation are each other's `base`.\nA set inherits what its bases have, so that none may inherit from itself.",
+    ),
+    code(
+        "evaluation-duplicate",
+        "Two scenes, cases, renderers or values of an evaluation have the same name.\nResults are kept under these names. A scene that is rendered in several ways gets names of its own: `{ scene = \"ring\", name = \"ring, red\", set = { ... } }`.",
+    ),
+    code(
+        "evaluation-key",
+        "An evaluation has a key that is not known in its place, or two that exclude each other.\n`docs/evaluation.md` has all keys. Native statements stand under `parameters`, where any name is passed through.",
+    ),
+    code("evaluation-missing", "An evaluation lacks something that it needs: scenes, a case, the renderer of a case."),
+    code(
+        "evaluation-name",
+        "An evaluation names a renderer, a case, a scene or a parameter set that is not there.\nA renderer is one of `[renderers]`, or has the name of a renderer or target of ltsc.",
+    ),
+    code(
+        "evaluation-parameter",
+        "A native parameter is not written as `[name, type, value]`.\nA statement takes a list of such parameters: `film = [[\"pixelFormat\", \"string\", \"rgb\"]]`. The statement's own type has an empty type: `[\"type\", \"\", \"path\"]`. Several values are a list of their own: `[\"cropwindow\", \"float\", [0, 1, 0, 1]]`. Where the type follows from the value, a table is shorter: `integrator = { type = \"path\", maxDepth = 10 }`.",
+    ),
+    code(
+        "evaluation-scene",
+        "A scene of an evaluation is not there, or cannot be rendered for the target of a renderer.\nA name is that of a scene of the project; a path ends in `.lts` or contains `/`, and starts at the evaluation file.",
+    ),
+    code(
+        "evaluation-setting",
+        "A neutral setting of an evaluation is not known, or a target has nothing like it.\nNeutral settings are translated for every renderer. What only one renderer has is passed through by `parameters`; what one renderer lacks is said otherwise for it, under `for`.",
+    ),
+    code(
+        "evaluation-syntax",
+        "An evaluation file is not written in TOML.\nAll errors are listed, and nothing else is said of the file.",
+    ),
+    code("evaluation-type", "A value of an evaluation has another type than its key takes."),
+    remark(
+        "evaluation-unused",
+        "A renderer, a parameter set or an exclusion of an evaluation has no effect.\nIt may be misspelt, or a leftover.",
+    ),
+    code(
+        "evaluation-value",
+        "A value of an evaluation has the right type and no meaning: an empty list, no samples, fewer samples than chunks.\nSamples are those of a whole image, and each of its chunks takes at least one.",
+    ),
     code(
         "foreign-file",
         "A file is a scene or a mesh in another format than ltsc's own.\nScenes are read from `.lts` files; importers for other formats come later, and lint will take their files then.",
@@ -139,6 +185,14 @@ pub const CODES: &[Code] = &[
     remark(
         "loss-dropped",
         "A target does not support something, and it was left out; or a mesh file has something that is not read.\n`ltsc explain --target NAME` shows what a target supports. Of a file there is one finding for each kind of thing, a warning where it\ncould be seen in an image (vertex colors, skins), a remark where it could not (names, edges). `ledger.json` has both.",
+    ),
+    remark(
+        "lteval-paths",
+        "A configuration of lteval has relative paths.\nThey were paths below lteval's own folder; an evaluation file sees them from the folder in which it lies.",
+    ),
+    remark(
+        "lteval-unread",
+        "A part of a configuration of lteval could not be read.\nA configuration is Python, and nothing of it is run: assignments of literals are read (dictionaries, lists, strings, numbers, names assigned before, lists joined by `+`). Functions, loops and calls are listed, and names that they may change are no longer known.",
     ),
     code(
         "memory-limit",
