@@ -32,6 +32,7 @@ mod scale;
 mod seeds;
 mod signals;
 mod similar;
+mod statements;
 mod thesis;
 mod tidy;
 mod user;
