@@ -34,6 +34,38 @@ pub(crate) fn end(root: Pid) {
     let _ = kill_process(root, Signal::KILL);
 }
 
+/// The most memory that a process below `root` has held at once, in bytes; none where the system does not tell.
+#[cfg(target_os = "linux")]
+pub(crate) fn peak_memory(root: Pid) -> Option<u64> {
+    let of = |pid: Pid| {
+        let status = std::fs::read_to_string(format!("/proc/{}/status", pid.as_raw_nonzero())).ok()?;
+        let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+        line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kilobytes| kilobytes << 10)
+    };
+    below(root).into_iter().filter_map(of).max()
+}
+
+#[cfg(not(target_os = "linux"))]
+pub(crate) fn peak_memory(_: Pid) -> Option<u64> {
+    None
+}
+
+/// Seconds of processor time that the ended children of a process took, itself ended and not yet waited for, or running.
+#[cfg(target_os = "linux")]
+pub(crate) fn time_of_children(root: Pid) -> Option<f64> {
+    let stat = std::fs::read_to_string(format!("/proc/{}/stat", root.as_raw_nonzero())).ok()?;
+    // Behind the name, the fields are the third and later (proc(5)): cutime and cstime are the 16th and 17th.
+    let (_, rest) = stat.rsplit_once(')')?;
+    let mut words = rest.split_whitespace().skip(13);
+    let ticks: u64 = words.next()?.parse::<u64>().ok()? + words.next()?.parse::<u64>().ok()?;
+    Some(ticks as f64 / rustix::param::clock_ticks_per_second() as f64)
+}
+
+#[cfg(not(target_os = "linux"))]
+pub(crate) fn time_of_children(_: Pid) -> Option<f64> {
+    None
+}
+
 /// All that descends from a process, without those that have ended and wait to be heard.
 #[cfg(target_os = "linux")]
 fn below(root: Pid) -> Vec<Pid> {

@@ -491,7 +491,7 @@ fn scenes_whose_names_differ_by_case_only_are_not_built() {
     let out = folder.path().join("out");
     let ran = run(ltsc().arg("build").arg(path.parent().expect("a folder")).arg("-o").arg(&out));
     assert_eq!(ran.code, Some(3), "{}", ran.err);
-    assert!(ran.err.contains("one.lts") && ran.err.contains("other.lts"), "{}", ran.err);
+    assert!(ran.err.contains("scene-name") && ran.err.contains("`One` lies in `other.lts`"), "{}", ran.err);
     assert!(!out.exists(), "nothing is written");
 }
 

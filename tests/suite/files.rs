@@ -9,7 +9,7 @@ use super::cli::MINIMAL;
 use super::{Ran, files_below, ltsc, run};
 
 /// A project of one scene.
-fn project() -> tempfile::TempDir {
+pub fn project() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a folder");
     fs::create_dir(folder.path().join("scenes-src")).expect("a folder");
     fs::write(folder.path().join("ltsc.toml"), "").expect("written");
@@ -33,7 +33,7 @@ fn state(folder: &Path) -> BTreeMap<String, (Vec<u8>, std::time::SystemTime)> {
 
 /// A program that passes for pbrt-r4 and gives an image of one gray.
 #[cfg(unix)]
-fn renderer(folder: &Path) -> String {
+pub fn renderer(folder: &Path) -> String {
     use ltsc_render::image::{Image, Provenance, write_exr};
     use std::os::unix::fs::PermissionsExt;
     let (program, image) = (folder.join("pbrt-r4"), folder.join("gray.exr"));

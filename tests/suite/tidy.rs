@@ -227,6 +227,28 @@ fn core_and_renderers_do_not_know_each_other() {
     }
 }
 
+/// Modules that stand on each other in one direction only.
+#[test]
+fn there_are_no_circles_of_two() {
+    let above = [
+        ("renderers/src/run", "crate::install"),
+        ("compiler/cli/src/terminal.rs", "crate::output"),
+        ("compiler/core/src/formats/gltf/surface.rs", "super::emit"),
+        ("compiler/core/src/formats/gltf/names.rs", "super::emit"),
+        ("renderers/evaluation/src/compare", "crate::job"),
+        ("renderers/evaluation/src/disk", "crate::job"),
+        ("renderers/evaluation/src/job.rs", "crate::chunk"),
+        ("renderers/evaluation/src/chunk", "crate::executor"),
+    ];
+    for (place, other) in above {
+        let files = all_sources().into_iter().filter(|(path, _)| path.starts_with(place)).collect::<Vec<_>>();
+        assert!(!files.is_empty(), "{place} is gone");
+        for (path, text) in files {
+            assert!(!without_tests(&text).contains(other), "{path} knows {other}, which stands on it");
+        }
+    }
+}
+
 #[test]
 fn every_file_of_a_family_is_in_its_table() {
     let families = [

@@ -2,7 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::error::ErrorKind;
+use clap::parser::ValueSource;
+use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -23,7 +26,7 @@ pub struct Arguments {
     #[command(subcommand)]
     pub command: Command,
     /// Colors: by default on a terminal, unless NO_COLOR is set.
-    #[arg(long, global = true, value_enum, default_value_t = Choice::Auto, value_name = "WHEN")]
+    #[arg(long, global = true, value_enum, default_value_t = Choice::Auto, value_name = "WHEN", display_order = 1000)]
     pub color: Choice,
 }
 
@@ -46,6 +49,76 @@ pub enum Format {
     Sarif,
     /// GitHub's workflow commands, which become annotations of a commit.
     Github,
+}
+
+/// The forms of commands whose answer is no list of findings. The others may stand in `LTSC_FORMAT`, and are taken for the one for people.
+fn answer() -> impl TypedValueParser<Value = Format> {
+    let shown = [("human", "For people"), ("short", "A line for each result"), ("json", "One JSON document")];
+    let hidden = ["sarif", "github"].map(|name| PossibleValue::new(name).hide(true));
+    let all = shown.into_iter().map(|(name, help)| PossibleValue::new(name).help(help)).chain(hidden);
+    PossibleValuesParser::new(all.collect::<Vec<_>>()).try_map(|word| Format::from_str(&word, false))
+}
+
+/// The command line as clap knows it.
+pub fn command() -> clap::Command {
+    let form = |command: clap::Command| {
+        command.mut_arg("format", |format| format.value_parser(answer()).help("How the result is printed"))
+    };
+    let mut command = Arguments::command();
+    let names: Vec<String> = command.get_subcommands().map(|one| one.get_name().to_owned()).collect();
+    // One that is changed goes to the end, so that all of them go there in their order.
+    for name in names {
+        let own = matches!(name.as_str(), "agree" | "similar");
+        command = command.mut_subcommand(name, |one| if own { form(one) } else { one });
+    }
+    command
+}
+
+/// Reads the command line; a form that a command does not have is refused.
+///
+/// # Errors
+/// What clap says of it.
+pub fn parse() -> Result<Arguments, clap::Error> {
+    let mut command = command();
+    let matches = command.try_get_matches_from_mut(std::env::args_os())?;
+    if let Some(problem) = unfit(&matches) {
+        return Err(command.error(ErrorKind::ArgumentConflict, problem));
+    }
+    Arguments::from_arg_matches(&matches).map_err(|error| error.format(&mut command))
+}
+
+/// Why the command does not have the form that the command line asks for. `LTSC_FORMAT` is for many commands, and leaves those that do
+/// not have its form as they are.
+fn unfit(matches: &ArgMatches) -> Option<String> {
+    let (mut name, mut inner) = matches.subcommand()?;
+    while let Some((below, deeper)) = inner.subcommand() {
+        (name, inner) = (below, deeper);
+    }
+    let format = *inner.try_get_one::<Format>("format").ok()??;
+    if inner.value_source("format") != Some(ValueSource::CommandLine) {
+        return None;
+    }
+    let flag = |name: &str| inner.try_get_one::<bool>(name).ok().flatten().copied().unwrap_or(false);
+    let findings = matches!(format, Format::Sarif | Format::Github);
+    if ["diff", "agree", "similar", "list", "conventions"].contains(&name) && findings {
+        return Some(format!(
+            "`{format}` is for findings, and `{name}` gives another answer: it has human, short and json"
+        ));
+    }
+    let only = ["stats", "diff"].into_iter().find(|one| flag(one)).filter(|_| format != Format::Human)?;
+    Some(format!("`--{only}` gives a text for people, not `{format}`"))
+}
+
+impl std::fmt::Display for Format {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Human => "human",
+            Self::Short => "short",
+            Self::Json => "json",
+            Self::Sarif => "sarif",
+            Self::Github => "github",
+        })
+    }
 }
 
 impl Format {
@@ -126,6 +199,14 @@ pub enum Command {
     Agree(Agree),
     /// List and install renderers.
     Renderers(Renderers),
+    /// Show what the user's cache holds, and remove what is old: renderings in chunks, and installations.
+    ///
+    /// Images that `eval`, and `render` with many samples, take apart into chunks are kept there by what was rendered, so that nothing is
+    /// rendered twice. All of it can be made again. The folder is $LTSC_CACHE, else the cache folder of the user.
+    #[command(
+        after_help = "Examples:\n  ltsc cache\n  ltsc cache prune --days 30\n  ltsc cache prune --days 0   (all chunks)"
+    )]
+    Cache(Cache),
     /// Test a renderer's conventions with micro-scenes of known answers.
     ///
     /// Each tests one convention: the axis of the field of view, the side that a lamp shines from, how the depth of paths is counted,
@@ -136,7 +217,7 @@ pub enum Command {
         after_help = "Examples:\n  ltsc conventions --list\n  ltsc conventions --renderer mitsuba-3\n  ltsc conventions --renderer luxcore --only path_depth,conductor_alpha\n  ltsc conventions --renderer cycles --executable blender --format json\n  ltsc conventions --renderer mitsuba-3,luxcore,cycles -o docs   (keeps the numbers, writes docs/renderers.md)\n  ltsc conventions -o docs --stored --check   (exit 1 if the page is stale)"
     )]
     Conventions(Conventions),
-    /// Explain a finding, a constructor of the language, or a target.
+    /// Explain a finding, a word of the language, or a target.
     #[command(
         after_help = "Examples:\n  ltsc explain smooth-emitter\n  ltsc explain diffuse\n  ltsc explain --target luxcore\n  ltsc explain            (lists what can be explained)"
     )]
@@ -167,7 +248,7 @@ pub enum Command {
 /// How findings are judged and shown.
 #[derive(Args, Clone, Debug)]
 pub struct Findings {
-    /// How findings are printed.
+    /// How findings are printed; `sarif` and `github` are for systems that show them in code.
     #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
     pub format: Format,
     /// Accept findings: a code, `all` for every rule, or `warnings`. Also LTSC_ALLOW.
@@ -200,7 +281,8 @@ impl Findings {
 /// How large scenes may become.
 #[derive(Args, Clone, Debug)]
 pub struct Limits {
-    /// Raise or lower a limit: text, file (bytes, also as 64MiB), list, steps, triangles, instances; may be given several times.
+    /// Raise or lower a limit: text, file, memory (bytes, also as 64MiB), list, pixels, steps, triangles, instances; may be given
+    /// several times.
     #[arg(long, value_name = "NAME=N")]
     pub limit: Vec<String>,
 }
@@ -239,7 +321,8 @@ pub struct Init {
 
 #[derive(Args, Debug)]
 pub struct Build {
-    /// Scene files, or folders with scenes.
+    /// Scene files, or folders with scenes [default: those of the project].
+    #[arg(value_name = "PATH")]
     pub paths: Vec<PathBuf>,
     /// Write nothing; list files that are stale, and exit with 1 if there are any.
     #[arg(long)]
@@ -259,16 +342,20 @@ pub struct Build {
     /// The value of a parameter that the scene declares by `param`, for one scene; may be given several times.
     #[arg(long, value_name = "NAME=VALUE")]
     pub set: Vec<String>,
-    /// Write nothing; print a table of the time that each scene takes and the bytes that it becomes, in Markdown.
+    /// Write nothing; print how long each scene takes and how many bytes it becomes, as a table in Markdown.
     #[arg(long, conflicts_with_all = ["check", "output", "force"])]
     pub stats: bool,
+    /// Show all warnings and losses, also those that an earlier build has shown.
+    #[arg(short, long)]
+    pub verbose: bool,
     #[command(flatten)]
     pub findings: Findings,
 }
 
 #[derive(Args, Debug)]
 pub struct Lint {
-    /// Scene files, or folders with scenes.
+    /// Scene files, or folders with scenes [default: those of the project].
+    #[arg(value_name = "PATH")]
     pub paths: Vec<PathBuf>,
     /// Fix findings that have one right answer; nothing else in the scenes changes.
     #[arg(long)]
@@ -288,12 +375,13 @@ pub struct Lint {
 
 #[derive(Args, Debug)]
 pub struct Fmt {
-    /// Files, or folders with `.lts` files; `-` for standard input.
+    /// Files, or folders with `.lts` files; `-` for standard input [default: the scenes of the project].
+    #[arg(value_name = "PATH")]
     pub paths: Vec<PathBuf>,
     /// Write nothing; exit with 1 and name the files that would change.
     #[arg(long)]
     pub check: bool,
-    /// Write nothing; show what would change.
+    /// Write nothing; show what would change, and exit with 1 if something would.
     #[arg(long)]
     pub diff: bool,
     /// How errors are printed, and with `--check` the files that would change.
@@ -338,7 +426,8 @@ pub struct Emit {
 
 #[derive(Args, Debug)]
 pub struct Audit {
-    /// Scene files, or folders with scenes.
+    /// Scene files, or folders with scenes [default: those of the project].
+    #[arg(value_name = "PATH")]
     pub paths: Vec<PathBuf>,
     /// Only these targets [default: those of ltsc.toml, else all, as far as they were generated].
     #[arg(long, value_name = "TARGET", value_delimiter = ',')]
@@ -414,14 +503,15 @@ pub struct Diff {
     /// Exit with 1 if a channel's mean or a tile differs by more than this share (0.02 is 2 %).
     #[arg(long, value_name = "SHARE")]
     pub tolerance: Option<f64>,
-    /// How the result is printed; `sarif` and `github`, which are for findings, give the form for people.
-    #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
+    /// How the result is printed.
+    #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
     pub format: Format,
 }
 
 #[derive(Args, Debug)]
 pub struct Agree {
     /// Scene files, or folders with scenes [default: those of the project].
+    #[arg(value_name = "PATH")]
     pub scenes: Vec<PathBuf>,
     /// The renderers [default: those of mitsuba-3, luxcore and cycles that are there].
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
@@ -432,10 +522,10 @@ pub struct Agree {
     /// The first seed.
     #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u32).range(0..=10_000))]
     pub first_seed: u32,
-    /// The share by which a tile may differ in each channel, beside what targets state of the scene.
+    /// How much a tile may differ in each channel (0.05 is 5 %), plus the bounds that targets state for the scene.
     #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share)]
     pub tolerance: f64,
-    /// The share by which the whole image may differ in each channel, likewise.
+    /// How much the whole image may differ in each channel, plus the same bounds.
     #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share)]
     pub mean_tolerance: f64,
     /// Exit with 1 also where agreement is undecided.
@@ -471,22 +561,11 @@ pub struct Agree {
     /// Stop a renderer after this many seconds for one image.
     #[arg(long, value_name = "SECONDS", default_value_t = 600, value_parser = clap::value_parser!(u64).range(1..))]
     pub timeout: u64,
-    /// How the result is printed; `sarif` and `github`, which are for findings, give the form for people.
-    #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
-    pub format: Format,
     #[command(flatten)]
-    pub limits: Limits,
-    /// Files are read below this folder only [default: the project's root].
-    #[arg(long, value_name = "DIR", env = "LTSC_ROOT")]
-    pub root: Option<PathBuf>,
+    pub findings: Findings,
 }
 
 impl Agree {
-    /// How findings are shown: to people, with the project's levels.
-    pub fn findings(&self) -> Findings {
-        Findings::plain(self.limits.clone(), self.root.clone())
-    }
-
     /// What replaces the scene's own settings.
     pub fn settings(&self) -> Settings {
         Settings {
@@ -511,13 +590,13 @@ pub struct Renderers {
 pub enum RenderersAction {
     /// Show which renderers are known and which are there.
     List {
-        /// How the list is printed; `sarif` and `github`, which are for findings, give the form for people.
-        #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
+        /// How the list is printed.
+        #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
         format: Format,
     },
-    /// Allow that the programs are run which the project's `ltsc.toml` names; nothing is run now. Without this they never are.
+    /// Allow ltsc to run the programs that the project's `ltsc.toml` names; nothing is run now.
     Trust,
-    /// Install a pinned version into a private folder of the user's cache; nothing else of the system is touched.
+    /// Install pinned versions into a private folder of your cache; nothing else is touched.
     #[command(
         after_help = "Example:\n  ltsc renderers install mitsuba-3 luxcore\n\nmitsuba-3, luxcore and cycles are packages of Python, pbrt-r4 and pbrt-r3 are built by cargo (about ten minutes each). The folder is $LTSC_CACHE, else the cache folder of the user; an interrupted installation is continued."
     )]
@@ -528,6 +607,25 @@ pub enum RenderersAction {
         /// Install again, even where the pinned version is there.
         #[arg(long)]
         force: bool,
+    },
+}
+
+#[derive(Args, Debug)]
+pub struct Cache {
+    #[command(subcommand)]
+    pub action: Option<CacheAction>,
+    /// How it is printed; `sarif` and `github`, which are for findings, give the form for people.
+    #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT", global = true)]
+    pub format: Format,
+}
+
+#[derive(Subcommand, Debug)]
+pub enum CacheAction {
+    /// Remove the chunks of images of which none was rendered for some days; installations stay.
+    Prune {
+        /// How many days.
+        #[arg(long, value_name = "N", default_value_t = 30)]
+        days: u64,
     },
 }
 
@@ -568,14 +666,14 @@ pub struct Conventions {
     /// Stop the renderer after this many seconds for one image.
     #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = clap::value_parser!(u64).range(1..))]
     pub timeout: u64,
-    /// How the result is printed; `sarif` and `github`, which are for findings, give the form for people.
-    #[arg(long, value_enum, default_value_t = Format::Human, env = "LTSC_FORMAT")]
+    /// How the result is printed.
+    #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
     pub format: Format,
 }
 
 #[derive(Args, Debug)]
 pub struct Explain {
-    /// The code of a finding, or the name of a constructor.
+    /// The code of a finding, or the name of a constructor, a statement or a function.
     pub what: Option<String>,
     /// What a target supports, and how exactly.
     #[arg(long, value_name = "TARGET")]
@@ -609,7 +707,8 @@ pub enum DocFormat {
 
 #[derive(Args, Debug)]
 pub struct Doc {
-    /// Folders with scenes; or scene files, whose pages alone are written, without the table of all.
+    /// Folders with scenes; or scene files, for their pages alone, without the table of all [default: the scenes of the project].
+    #[arg(value_name = "PATH")]
     pub paths: Vec<PathBuf>,
     /// The folder to write [default: `docs/scenes` of the project].
     #[arg(short, long, value_name = "DIR")]

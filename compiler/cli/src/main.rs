@@ -11,7 +11,6 @@ mod trust;
 
 use std::process::ExitCode;
 
-use clap::Parser;
 use ltsc_render::{guard, supervisor};
 
 /// Bytes of stack of each thread. The deepest recursion is that of nested expressions; this is far more than it needs.
@@ -33,7 +32,7 @@ fn main() -> ExitCode {
     if words.next().is_some_and(|word| word == supervisor::MARK) {
         return ExitCode::from(u8::try_from(supervisor::run(words)).unwrap_or(1));
     }
-    let arguments = match args::Arguments::try_parse() {
+    let arguments = match args::parse() {
         Ok(arguments) => arguments,
         Err(error) => {
             let asked = !error.use_stderr();

@@ -12,7 +12,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use crate::args;
-use crate::output::{Exit, Failure};
+use crate::output::{Exit, Failure, why};
 use crate::trust;
 
 /// The name of the project file.
@@ -96,8 +96,9 @@ impl Project {
     /// The project of `path`: the nearest folder upward with an `ltsc.toml`; without one, the folder itself, or for a
     /// file the parent of its folder.
     pub fn of(path: &Path) -> Result<Self, Failure> {
-        let real = fs::canonicalize(path)
-            .map_err(|error| Failure::new(Exit::Input, format!("{} cannot be read: {error}", path.display())))?;
+        let real = fs::canonicalize(path).map_err(|error| {
+            Failure::new(Exit::Input, format!("{} cannot be read: {}", path.display(), why(&error)))
+        })?;
         if let Some(folder) = real.ancestors().find(|folder| has_file(folder)) {
             return Self::load(folder);
         }
@@ -269,7 +270,7 @@ fn set_limit(limits: &mut Limits, name: &str, amount: &str) -> Result<(), Failur
         let failure = wrong(format!("there is no limit `{name}`"));
         return Err(match ltsc_core::diag::nearest(name, known.iter().copied()) {
             Some(similar) => failure.help(format!("did you mean `{similar}`?")),
-            None => failure.help(format!("known are {}", known.join(", "))),
+            None => failure.help(format!("known: {}", known.join(", "))),
         });
     };
     let value = ltsc_core::eval::parse_amount(amount).ok_or_else(|| {
@@ -331,7 +332,7 @@ pub fn target(name: &str) -> Result<&'static Target, Failure> {
     let failure = Failure::new(Exit::Usage, format!("there is no target `{name}`"));
     Err(match ltsc_core::diag::nearest(name, names.clone()) {
         Some(similar) => failure.help(format!("did you mean `{similar}`?")),
-        None => failure.help(format!("known are {}", names.collect::<Vec<_>>().join(", "))),
+        None => failure.help(format!("known: {}", names.collect::<Vec<_>>().join(", "))),
     })
 }
 
@@ -348,7 +349,7 @@ pub struct Found {
 /// folders are passed over.
 pub fn scene_files(path: &Path) -> Result<Found, Failure> {
     let unreadable = |path: &Path, error: std::io::Error| {
-        Failure::new(Exit::Input, format!("{} cannot be read: {error}", path.display()))
+        Failure::new(Exit::Input, format!("{} cannot be read: {}", path.display(), why(&error)))
     };
     let meta = fs::metadata(path).map_err(|error| unreadable(path, error))?;
     if !meta.is_dir() {

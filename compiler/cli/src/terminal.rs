@@ -16,7 +16,6 @@ use miette::{
 };
 
 use crate::args::Choice;
-use crate::output::severity_word;
 
 static CHOICE: AtomicU8 = AtomicU8::new(0);
 
@@ -107,6 +106,16 @@ pub fn say(message: &str) {
 pub fn panic_text(payload: &(dyn std::any::Any + Send)) -> String {
     let text = payload.downcast_ref::<String>().map(String::as_str).or_else(|| payload.downcast_ref::<&str>().copied());
     text.unwrap_or("unknown").to_owned()
+}
+
+/// "error" for what ends with an exit code of its own, "warning" and "info" for the rest.
+pub fn severity_word(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Error | Severity::Deny => "error",
+        Severity::Warn => "warning",
+        Severity::Info => "info",
+        Severity::Allow => "allowed",
+    }
 }
 
 /// A finding with its excerpt.

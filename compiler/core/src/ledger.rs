@@ -142,7 +142,7 @@ impl Ledger {
     pub fn findings(&self) -> Vec<Finding> {
         let name = self.target;
         let nearly = self.approximated.iter().map(|one| {
-            let message = format!("{name}: {} is approximated: {}", one.what, one.why);
+            let message = format!("{name} approximates {}: {}", one.what, one.why);
             let finding = Finding::new("loss-approximated", Severity::Info, one.origin.clone(), message);
             let finding = finding.note(one.how_much);
             match &one.here {
@@ -151,7 +151,7 @@ impl Ledger {
             }
         });
         let dropped = self.dropped.iter().map(|one| {
-            let message = format!("{name}: {} is not supported: {}", one.what, one.why);
+            let message = format!("{name} does not support {}: {}", one.what, one.why);
             Finding::new("loss-dropped", Severity::Warn, one.origin.clone(), message)
         });
         nearly.chain(dropped).collect()

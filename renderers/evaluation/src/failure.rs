@@ -1,5 +1,6 @@
 //! How a command ends where it cannot go on, and with which exit code.
 
+use std::io;
 use std::process::ExitCode;
 
 use ltsc_core::diag::{Finding, Origin, Severity};
@@ -57,6 +58,17 @@ impl Exit {
     pub fn of_finding(finding: &Finding) -> Self {
         if finding.id == ltsc_core::pipeline::FAULT { Self::Fault } else { Self::of(finding.severity) }
     }
+}
+
+/// What the system says, without its number.
+#[must_use]
+pub fn why(error: &io::Error) -> String {
+    let text = error.to_string();
+    let known = text.split_once(" (os error").filter(|_| error.raw_os_error().is_some());
+    let plain = known.map_or(text.as_str(), |(plain, _)| plain);
+    let mut chars = plain.chars();
+    let first: String = chars.next().map(|first| first.to_lowercase().collect()).unwrap_or_default();
+    if known.is_some() { first + chars.as_str() } else { plain.to_owned() }
 }
 
 /// A command cannot go on; the message has been written to no one yet.

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 use ltsc_core::capability::{Support, algorithm};
 use ltsc_core::formats::{self, Choices, Target};
-use ltsc_core::ir::Scene;
+use ltsc_core::ir::{Camera, Handle, Scene};
 use ltsc_core::ledger::{self, Ledger};
 use ltsc_core::pipeline;
 use ltsc_core::valid::Valid;
@@ -17,7 +17,7 @@ use ltsc_render::run::{
     DRIVERS, Driver, Found, Progress, RenderError, RenderRequest, Rendered, Search, driver, find, render,
 };
 
-use crate::disk::{DiskSink, unwritable};
+use crate::disk::{DiskSink, no_temporary, unwritable};
 use crate::failure::{Exit, Failure};
 
 /// A renderer that is there, and how it is to be run.
@@ -53,7 +53,7 @@ pub fn driver_called(name: &str) -> Result<&'static Driver, Failure> {
         let failure = Failure::new(Exit::Usage, format!("there is no renderer `{name}`"));
         match ltsc_core::diag::nearest(name, known.iter().copied()) {
             Some(similar) => failure.help(format!("did you mean `{similar}`?")),
-            None => failure.help(format!("known are {}", known.join(", "))),
+            None => failure.help(format!("known: {}", known.join(", "))),
         }
     })
 }
@@ -92,6 +92,17 @@ impl Runner {
     }
 }
 
+/// How a scene is written for a renderer.
+#[derive(Default)]
+pub struct Writing<'a> {
+    /// The camera; the first one if none is said.
+    pub camera: Option<Handle<Camera>>,
+    /// What the target does only where it is asked for.
+    pub choices: Choices,
+    /// What becomes of the scene for the target, with what its reader has lost; that of the scene alone if nothing is said.
+    pub ledger: Option<&'a Ledger>,
+}
+
 /// A scene as it was written for a renderer, in a folder that goes with it.
 pub struct Job<'r> {
     runner: &'r Runner,
@@ -108,15 +119,31 @@ impl<'r> Job<'r> {
     /// # Errors
     /// Where no folder can be written, or what was written is wrong.
     pub fn new(scene: &Valid, runner: &'r Runner) -> Result<Self, Failure> {
+        Self::written(scene, runner, &Writing::default())
+    }
+
+    /// The same, written as is asked.
+    ///
+    /// # Errors
+    /// As of [`Job::new`].
+    pub fn written(scene: &Valid, runner: &'r Runner, writing: &Writing<'_>) -> Result<Self, Failure> {
         let target = target_of(runner.driver);
-        let failed = |error: std::io::Error| Failure::new(Exit::Environment, format!("no temporary folder: {error}"));
-        let work = Folder::new().map_err(failed)?;
-        let camera = pipeline::camera(scene, None)
+        let work = Folder::new().map_err(|error| no_temporary(&error))?;
+        let camera = writing
+            .camera
+            .or_else(|| pipeline::camera(scene, None))
             .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
         let failed = |error: std::io::Error| unwritable(work.path(), &error);
         let mut sink = DiskSink::own(work.path(), &scene.name);
-        pipeline::emit_alone(scene, camera, target, &Ledger::of(scene, target, &[]), &Choices::default(), &mut sink)
-            .map_err(failed)?;
+        let own;
+        let ledger = match writing.ledger {
+            Some(ledger) => ledger,
+            None => {
+                own = Ledger::of(scene, target, &[]);
+                &own
+            }
+        };
+        pipeline::emit_alone(scene, camera, target, ledger, &writing.choices, &mut sink).map_err(failed)?;
         if let Some(wrong) = pipeline::audit(scene, camera, &[target], &sink, |_| String::new()).findings().next() {
             let message = format!("{}: {} for {}", scene.name, wrong.message, target.name);
             return Err(Failure::new(Exit::Fault, message)
@@ -129,13 +156,45 @@ impl<'r> Job<'r> {
         Ok(Self { runner, work, scene: scene.name.clone(), size, content })
     }
 
-    /// A hash of everything that decides how the image looks: files, renderer, version, samples and seed.
-    pub fn key(&self, samples: u32, seed: u32) -> String {
+    /// The scene's name.
+    #[must_use]
+    pub fn scene(&self) -> &str {
+        &self.scene
+    }
+
+    /// The renderer.
+    #[must_use]
+    pub fn runner(&self) -> &'r Runner {
+        self.runner
+    }
+
+    /// Width and height of the image.
+    #[must_use]
+    pub fn size(&self) -> (usize, usize) {
+        self.size
+    }
+
+    /// The folder of what was written, as long as this is there.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        self.work.path()
+    }
+
+    /// A hash of everything that decides how the image looks but for samples and seed: files, renderer and version.
+    #[must_use]
+    pub fn identity(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         hasher.update(self.content.as_bytes());
         let Runner { driver, found, .. } = self.runner;
-        hasher.update(format!("{} {:?} {samples} {seed}", driver.name, found.version).as_bytes());
+        hasher.update(format!("{} {:?}", driver.name, found.version).as_bytes());
         hasher.finalize().to_hex().to_string()
+    }
+
+    /// A hash of everything that decides how the image looks: files, renderer, version, samples and seed.
+    #[must_use]
+    pub fn key(&self, samples: u32, seed: u32) -> String {
+        let text = format!("{} {samples} {seed}", self.identity());
+        blake3::hash(text.as_bytes()).to_hex().to_string()
     }
 
     /// Renders it.
@@ -143,6 +202,20 @@ impl<'r> Job<'r> {
     /// # Errors
     /// What the renderer says.
     pub fn render(&self, samples: u32, seed: u32, progress: &mut dyn FnMut(Progress)) -> Result<Rendered, RenderError> {
+        self.render_logged(samples, seed, &self.work.path().join("log"), progress)
+    }
+
+    /// The same, with the renderer's whole output in `log`.
+    ///
+    /// # Errors
+    /// What the renderer says.
+    pub fn render_logged(
+        &self,
+        samples: u32,
+        seed: u32,
+        log: &Path,
+        progress: &mut dyn FnMut(Progress),
+    ) -> Result<Rendered, RenderError> {
         let Runner { driver, found, threads, timeout, env, cache } = self.runner;
         let request = RenderRequest {
             executable: Some(found.path.clone()),
@@ -153,7 +226,7 @@ impl<'r> Job<'r> {
             seed,
             threads: *threads,
             timeout: *timeout,
-            ..RenderRequest::new(driver, self.work.path().to_path_buf(), self.size, self.work.path().join("log"))
+            ..RenderRequest::new(driver, self.work.path().to_path_buf(), self.size, log.to_path_buf())
         };
         render(&request, &mut |news| progress(news))
     }

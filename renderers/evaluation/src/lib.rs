@@ -6,9 +6,11 @@
 //! no terminal.
 
 pub mod agree;
+pub mod chunk;
 pub mod compare;
 pub mod conventions;
 pub mod disk;
+pub mod executor;
 pub mod failure;
 pub mod job;
 pub mod watch;

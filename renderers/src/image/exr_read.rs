@@ -25,12 +25,7 @@ pub(super) type Decoded = (Image, Window, Attributes);
 
 /// Decodes a whole file.
 pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
-    let (raw, _) = scan(bytes)?;
-    let attributes = raw
-        .iter()
-        .filter(|attribute| attribute.kind == b"string")
-        .map(|attribute| (lossy(attribute.name), lossy(attribute.value)))
-        .collect();
+    let attributes = texts(bytes)?;
     let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(decoder_fault)?;
     for header in &meta.headers {
         check(header, bytes.len())?;
@@ -47,6 +42,13 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
         shown: (shown.size.x(), shown.size.y()),
     };
     Ok((image, window, attributes))
+}
+
+/// The string attributes in front of a file.
+pub(super) fn texts(bytes: &[u8]) -> Result<Attributes, Fault> {
+    let (raw, _) = scan(bytes)?;
+    let texts = raw.iter().filter(|attribute| attribute.kind == b"string");
+    Ok(texts.map(|attribute| (lossy(attribute.name), lossy(attribute.value))).collect())
 }
 
 /// Refuses sizes that would take memory without reason.

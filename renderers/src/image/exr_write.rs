@@ -5,7 +5,8 @@ use std::path::Path;
 
 use exr::image::Encoding;
 use exr::prelude::{
-    Compression, Image as ExrImage, Layer, LayerAttributes, LineOrder, SpecificChannels, WritableImage,
+    AnyChannel, AnyChannels, Compression, FlatSamples, Image as ExrImage, Layer, LayerAttributes, LineOrder,
+    WritableImage,
 };
 
 use super::attributes::{PROLOGUE, scan};
@@ -30,21 +31,33 @@ pub fn write_exr(path: &Path, image: &Image, provenance: &Provenance) -> Result<
 /// # Errors
 /// If the image cannot be stored.
 pub fn exr_bytes(path: &Path, image: &Image, provenance: &Provenance) -> Result<Vec<u8>, ImageError> {
-    encode(image, provenance).map_err(|message| ImageError::Unwritable { path: path.to_owned(), message })
+    encode(&[("", image)], provenance).map_err(|message| ImageError::Unwritable { path: path.to_owned(), message })
 }
 
-fn encode(image: &Image, provenance: &Provenance) -> Result<Vec<u8>, String> {
-    let (width, height) = (image.width, image.height);
+/// The bytes of a file of several images of one size: each has a prefix to its channels `R`, `G` and `B`, such as `variance.`, and the
+/// picture itself none. `path` is for the error.
+///
+/// # Errors
+/// If the images cannot be stored.
+pub fn layered_bytes(path: &Path, layers: &[(&str, &Image)], provenance: &Provenance) -> Result<Vec<u8>, ImageError> {
+    encode(layers, provenance).map_err(|message| ImageError::Unwritable { path: path.to_owned(), message })
+}
+
+fn encode(layers: &[(&str, &Image)], provenance: &Provenance) -> Result<Vec<u8>, String> {
+    let (width, height) = layers.first().map_or((0, 0), |(_, image)| (image.width, image.height));
     if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
         return Err(format!("{width}x{height} pixels cannot be stored"));
     }
-    if image.pixels.len() != width * height {
+    let fits = |image: &Image| (image.width, image.height) == (width, height) && image.pixels.len() == width * height;
+    if !layers.iter().all(|(_, image)| fits(image)) {
         return Err("the number of pixels does not fit the size".to_owned());
     }
-    let channels = SpecificChannels::rgb(|at: exr::math::Vec2<usize>| {
-        let [red, green, blue] = image.at(at.x(), at.y());
-        (red, green, blue)
-    });
+    let channel = |prefix: &str, image: &Image, at: usize| {
+        let samples = image.pixels.iter().map(|pixel| pixel[at]).collect();
+        AnyChannel::new(format!("{prefix}{}", ["R", "G", "B"][at]).as_str(), FlatSamples::F32(samples))
+    };
+    let all = layers.iter().flat_map(|(prefix, image)| [0, 1, 2].map(|at: usize| channel(prefix, image, at)));
+    let channels = AnyChannels::sort(all.collect());
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: exr::image::Blocks::ScanLines,
@@ -134,8 +147,25 @@ mod tests {
     }
 
     #[test]
+    fn the_picture_of_several_layers_is_the_one_without_a_prefix() {
+        let other = Image { pixels: vec![[7.0; 3]; 5 * 37], ..picture() };
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("image.exr");
+        let bytes = layered_bytes(&path, &[("", &picture()), ("variance.", &other)], &provenance()).expect("encode");
+        std::fs::write(&path, &bytes).expect("write");
+        let (image, attributes) = read(&path).expect("read");
+        assert!(image == picture() && Provenance::from_attributes(&attributes) == provenance());
+        assert_eq!(super::super::attributes(&path).expect("a header"), attributes);
+        let meta = exr::meta::MetaData::read_from_file(&path, true).expect("a valid header");
+        let names: Vec<String> = meta.headers[0].channels.list.iter().map(|channel| channel.name.to_string()).collect();
+        assert_eq!(names, ["B", "G", "R", "variance.B", "variance.G", "variance.R"]);
+        let small = Image::filled(1, 1, [0.0; 3]);
+        assert!(layered_bytes(&path, &[("", &picture()), ("variance.", &small)], &provenance()).is_err());
+    }
+
+    #[test]
     fn equal_images_are_equal_files() {
-        let encode = || encode(&picture(), &provenance()).expect("encode");
+        let encode = || encode(&[("", &picture())], &provenance()).expect("encode");
         let first = encode();
         assert!((0..8).all(|_| encode() == first));
     }
@@ -144,7 +174,7 @@ mod tests {
     fn values_that_are_not_finite_survive() {
         let mut image = picture();
         image.pixels[3] = [f32::NAN, f32::INFINITY, 0.0];
-        let bytes = encode(&image, &Provenance::default()).expect("encode");
+        let bytes = encode(&[("", &image)], &Provenance::default()).expect("encode");
         let (back, _, _) = decode(&bytes).map_err(|fault| fault.message).expect("decode");
         assert_eq!(back.non_finite(), 1);
         assert!(back.pixels[3][0].is_nan());
@@ -153,17 +183,17 @@ mod tests {
     #[test]
     fn impossible_images_and_names_are_refused() {
         let empty = Image { width: 0, height: 3, pixels: Vec::new() };
-        assert!(encode(&empty, &Provenance::default()).is_err());
+        assert!(encode(&[("", &empty)], &Provenance::default()).is_err());
         let short = Image { width: 2, height: 3, pixels: vec![[0.0; 3]] };
-        assert!(encode(&short, &Provenance::default()).is_err());
+        assert!(encode(&[("", &short)], &Provenance::default()).is_err());
         let extra = vec![("x".repeat(40), "1".to_owned())];
         let long = Provenance { extra, ..Provenance::default() };
-        assert!(encode(&picture(), &long).is_err());
+        assert!(encode(&[("", &picture())], &long).is_err());
     }
 
     #[test]
     fn no_cut_and_no_flipped_byte_makes_the_reader_panic() {
-        let whole = encode(&picture(), &provenance()).expect("encode");
+        let whole = encode(&[("", &picture())], &provenance()).expect("encode");
         for length in 0..whole.len() {
             assert!(decode(&whole[..length]).is_err(), "{length} of {} bytes", whole.len());
         }
@@ -179,7 +209,7 @@ mod tests {
 
     #[test]
     fn a_huge_claim_is_refused_before_memory_is_taken() {
-        let whole = encode(&picture(), &Provenance::default()).expect("encode");
+        let whole = encode(&[("", &picture())], &Provenance::default()).expect("encode");
         let name = b"dataWindow\0box2i\0";
         let at = whole.windows(name.len()).position(|window| window == name).expect("the window");
         let corner = at + name.len() + 4 + 8;

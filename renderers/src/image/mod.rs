@@ -12,7 +12,7 @@ use std::path::Path;
 use crate::regular;
 
 pub use error::ImageError;
-pub use exr_write::{exr_bytes, write_exr};
+pub use exr_write::{exr_bytes, layered_bytes, write_exr};
 pub use pfm::write_pfm;
 pub use provenance::Provenance;
 
@@ -72,7 +72,26 @@ pub fn read(path: &Path) -> Result<(Image, Attributes), ImageError> {
     read_placed(path).map(|(image, _, attributes)| (image, attributes))
 }
 
-/// The same, and where its pixels lie.
+/// The string attributes of an OpenEXR file, without its pixels; none of a PFM file.
+///
+/// # Errors
+/// If its beginning cannot be read or is damaged.
+pub fn attributes(path: &Path) -> Result<Attributes, ImageError> {
+    use std::io::Read;
+    let fault = |source| ImageError::Io { path: path.to_owned(), source };
+    let (file, _) = regular::open(path).map_err(fault)?;
+    let mut bytes = Vec::new();
+    file.take(HEADER).read_to_end(&mut bytes).map_err(fault)?;
+    if !bytes.starts_with(&attributes::MAGIC) {
+        return Ok(Vec::new());
+    }
+    exr_read::texts(&bytes).map_err(|fault| fault.at(path))
+}
+
+/// The most bytes of a header that is read by itself.
+const HEADER: u64 = 1 << 20;
+
+/// The same as [`read`], and where its pixels lie.
 ///
 /// # Errors
 /// As of [`read`].

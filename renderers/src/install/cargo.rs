@@ -5,6 +5,7 @@ use std::process::Command;
 
 use super::{InstallError, InstallProgress, Made, Site, Step};
 use crate::env::Env;
+use crate::run::installed::{program, root};
 use crate::run::process::{End, Lines};
 use crate::run::script::ask;
 use crate::run::{Crate, Driver};
@@ -33,15 +34,6 @@ pub(super) fn make(
     command.env_remove("CARGO_BUILD_TARGET").env_remove("CARGO_INSTALL_ROOT");
     site.run(Step::Build, command, progress)?;
     Ok(Made { executable: program(source, site.folder), tool: version, leftovers: vec![build] })
-}
-
-/// The program that is built.
-pub(super) fn program(source: &Crate, folder: &Path) -> PathBuf {
-    root(folder).join("bin").join(format!("{}{}", source.program, std::env::consts::EXE_SUFFIX))
-}
-
-fn root(folder: &Path) -> PathBuf {
-    folder.join("root")
 }
 
 /// The first cargo on the path that is new enough, and its version.

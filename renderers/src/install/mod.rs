@@ -18,20 +18,16 @@ use std::process::Command;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use serde::{Deserialize, Serialize};
-
 use crate::cache::{CachePaths, replace_file};
-use crate::env::{Env, executable};
-use crate::regular;
+use crate::env::Env;
+use crate::run::installed::{LOCK, MARKER, Marker, requirements};
 use crate::run::process::{End, Lines, Patience, begin, run, tail};
 use crate::run::{Driver, Installation, find_on_path};
 
 pub use error::InstallError;
 
-/// The file whose lock an installation holds. The system frees it when the process ends, however
-/// it ends, so that it cannot be left over.
-pub(crate) const LOCK: &str = "install.lock";
-const MARKER: &str = "installed.json";
+pub use crate::run::{Status, status_in_cache};
+
 const LOG: &str = "install.log";
 
 /// What to install, and with what.
@@ -62,32 +58,6 @@ pub struct Installed {
     pub already: bool,
 }
 
-/// What there is of a renderer on this machine.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Status {
-    /// Nothing.
-    NotInstalled,
-    /// A private installation that was begun and is not complete.
-    Partial {
-        /// Its folder.
-        folder: PathBuf,
-    },
-    /// A private installation.
-    Installed {
-        /// The program, or the Python that has it.
-        path: PathBuf,
-        /// Its version.
-        version: String,
-    },
-    /// One that the user has installed, on the path.
-    External {
-        /// The program, or the Python that has it.
-        path: PathBuf,
-        /// Its version.
-        version: String,
-    },
-}
-
 /// The steps of an installation, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Step {
@@ -112,17 +82,6 @@ pub enum InstallProgress {
     Step(Step),
     /// A line of output, to be shown below the step.
     Line(String),
-}
-
-/// What is in the marker. It says nothing of time, so equal installations have equal markers.
-#[derive(Debug, PartialEq, Serialize, Deserialize)]
-struct Marker {
-    driver: String,
-    version: String,
-    /// The version of Python or of cargo.
-    #[serde(alias = "python")]
-    tool: String,
-    requirements: Vec<String>,
 }
 
 /// Installs a renderer, or finds that it is there.
@@ -198,24 +157,6 @@ struct Made {
     leftovers: Vec<PathBuf>,
 }
 
-/// What the marker of an installation of this version says, so that another choice of packages is installed anew.
-fn requirements(driver: &Driver) -> Vec<String> {
-    match &driver.installation {
-        Installation::Python(packages) => packages.requirements.iter().map(|&line| line.to_owned()).collect(),
-        Installation::Cargo(source) => vec![format!("{}={}", source.name, driver.version)],
-        Installation::User { .. } => Vec::new(),
-    }
-}
-
-/// Where the executable of an installation lies.
-fn place(driver: &Driver, folder: &Path) -> Option<PathBuf> {
-    match &driver.installation {
-        Installation::Python(_) => Some(pip::python(folder)),
-        Installation::Cargo(source) => Some(cargo::program(source, folder)),
-        Installation::User { .. } => None,
-    }
-}
-
 /// Deletes a private installation with its downloads; it is no error if there is none.
 ///
 /// # Errors
@@ -245,24 +186,6 @@ pub fn status(driver: &Driver, cache: Option<&CachePaths>, env: &Env) -> Status 
         return own;
     }
     find_on_path(driver, env, None, &mut Vec::new()).map_or(own, |(path, version)| Status::External { path, version })
-}
-
-/// What there is in the cache. This reads one small file and starts nothing.
-#[must_use]
-pub fn status_in_cache(driver: &Driver, cache: &CachePaths) -> Status {
-    let folder = cache.renderer(driver.name, driver.version);
-    if !folder.is_dir() {
-        return Status::NotInstalled;
-    }
-    let marker = regular::read(&folder.join(MARKER), regular::TEXT).ok();
-    let marker = marker.and_then(|bytes| serde_json::from_slice::<Marker>(&bytes).ok());
-    match (marker, place(driver, &folder)) {
-        // The Python below an environment may have been removed since.
-        (Some(marker), Some(path)) if marker.requirements == requirements(driver) && executable(&path) => {
-            Status::Installed { path, version: marker.version }
-        }
-        _ => Status::Partial { folder },
-    }
 }
 
 /// Takes the lock of an installation folder, and notes who has it.
@@ -314,7 +237,7 @@ impl Site<'_> {
         });
         // Anything that stays is deleted with the folder.
         let _ = fs::remove_dir_all(&scratch);
-        match end.map_err(InstallError::io(&program))? {
+        match end.map_err(InstallError::io(&program))?.0 {
             End::Exited(status) if status.success() => Ok(()),
             End::Exited(status) => Err(InstallError::Step {
                 driver: self.request.driver,

@@ -2,10 +2,11 @@
 
 use std::ffi::{OsStr, OsString};
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use super::{InstallError, InstallProgress, Made, Site, Step, python};
 use crate::run::Packages;
+use crate::run::installed::{python, venv};
 
 /// Makes the environment and unpacks the packages.
 pub(super) fn make(
@@ -50,16 +51,6 @@ pub(super) fn make(
     }
     unpacked?;
     Ok(Made { executable: python, tool: base.version, leftovers: vec![wheels, downloads] })
-}
-
-/// The Python of the environment.
-pub(super) fn python(folder: &Path) -> PathBuf {
-    let venv = venv(folder);
-    if cfg!(windows) { venv.join("Scripts").join("python.exe") } else { venv.join("bin").join("python") }
-}
-
-fn venv(folder: &Path) -> PathBuf {
-    folder.join("venv")
 }
 
 /// Runs a Python module as `python -m` does, seeing nothing of the user's packages, and ending

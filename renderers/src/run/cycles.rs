@@ -23,6 +23,7 @@ pub(super) const ROW: Driver = Driver {
     asks_named: false,
     test_scene: &[("scene.py", include_str!("test_scenes/cycles.py"))],
     wavelengths: None,
+    seeds: super::Seeds::Free,
     failures: &[],
     hints: &[
         ("MemoryError", "it ran out of memory; make the image or the meshes smaller"),

@@ -3,11 +3,11 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
+use super::installed::{Status, status_in_cache};
 use super::script::is_python;
 use super::{Asked, Driver, Installation, RenderError};
 use crate::cache::CachePaths;
 use crate::env::{Env, executable};
-use crate::install;
 
 /// Where to look.
 #[derive(Clone, Copy)]
@@ -67,12 +67,12 @@ pub fn find(driver: &'static Driver, search: &Search<'_>) -> Result<Found, Rende
     }
     let mut looked = Vec::new();
     let private = !matches!(driver.installation, Installation::User { .. });
-    match search.cache.map(|cache| (cache, install::status_in_cache(driver, cache))) {
+    match search.cache.map(|cache| (cache, status_in_cache(driver, cache))) {
         _ if !private => {}
-        Some((_, install::Status::Installed { path, version })) => {
+        Some((_, Status::Installed { path, version })) => {
             return Ok(Found { path, version, source: Source::Installed });
         }
-        Some((cache, install::Status::Partial { .. })) => looked.push(format!(
+        Some((cache, Status::Partial { .. })) => looked.push(format!(
             "`{}`: an installation was begun and not finished",
             cache.renderer(driver.name, driver.version).display()
         )),

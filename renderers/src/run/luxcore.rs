@@ -24,6 +24,7 @@ pub(super) const ROW: Driver = Driver {
         ("surface.ply", include_str!("test_scenes/surface.ply")),
     ],
     wavelengths: None,
+    seeds: super::Seeds::Free,
     failures: &[],
     hints: &[
         ("Unable to read PLY", "a mesh is missing; emit the folder again and keep it together"),

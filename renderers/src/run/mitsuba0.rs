@@ -40,6 +40,7 @@ const ROW: Driver = Driver {
     test_scene: &[],
     wavelengths: None,
     // Its program ends with code 0 when the job of rendering has thrown (`renderjob.cpp`).
+    seeds: super::Seeds::Some,
     failures: &["caught exception", "did not complete successfully"],
     hints: &[
         (

@@ -32,6 +32,7 @@ pub(super) const ROW: Driver = Driver {
         ("surface.ply", include_str!("test_scenes/surface.ply")),
     ],
     wavelengths: None,
+    seeds: super::Seeds::Free,
     failures: &[],
     hints: &[
         (

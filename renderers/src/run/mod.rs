@@ -7,6 +7,7 @@ mod cycles;
 mod emitted;
 mod error;
 mod find;
+pub(crate) mod installed;
 mod luxcore;
 mod mitsuba0;
 mod mitsuba3;
@@ -33,6 +34,8 @@ use crate::image::Image;
 pub use error::{Failure, RenderError};
 pub(crate) use find::on_path as find_on_path;
 pub use find::{Found, Search, Source, find};
+pub use installed::{Status, status_in_cache};
+pub use process::Usage;
 pub use render::render;
 
 /// A program that is asked for its version, and until when it may take to answer.
@@ -87,6 +90,8 @@ pub struct Driver {
     /// Of a renderer that computes with wavelengths, drawn anew for each sample: the standard deviation that they alone give
     /// a sample of constant white, in red, green, blue and in the mean of the three, as a share.
     pub wavelengths: Option<[f64; 4]>,
+    /// Whether it renders independent images of one scene.
+    pub seeds: Seeds,
     /// Texts of lines that tell that it has failed, for programs that end with code 0 all the same.
     pub failures: &'static [&'static str],
     /// Texts of the log that tell a known cause, each with what to do about it.
@@ -122,6 +127,17 @@ impl Driver {
             ),
         }
     }
+}
+
+/// Whether a renderer renders independent images of one scene, each with a seed of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Seeds {
+    /// Any seed costs as much as another.
+    Free,
+    /// Seed `k` costs `k` images more.
+    Costly,
+    /// With some samplers of the scene only; any seed but 0 is refused otherwise.
+    Some,
 }
 
 /// How a renderer comes onto a machine.
@@ -270,6 +286,8 @@ pub struct Rendered {
     pub executable: PathBuf,
     /// The whole output of the renderer.
     pub log_path: PathBuf,
+    /// What the renderer took.
+    pub usage: Usage,
     /// What else there is to know of the image, by name; it goes into the provenance.
     pub facts: Vec<(String, String)>,
 }

@@ -17,6 +17,7 @@ pub(super) const ROW: Driver = Driver {
     asks_named: true,
     test_scene: &[],
     wavelengths: None,
+    seeds: super::Seeds::Free,
     failures: &[],
     hints: &[
         ("No such file or directory", "a file is missing; emit the folder again and keep it together"),

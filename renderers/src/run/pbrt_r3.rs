@@ -28,6 +28,7 @@ pub(super) const ROW: Driver = Driver {
         ("surface.ply", include_str!("test_scenes/surface.ply")),
     ],
     wavelengths: None,
+    seeds: super::Seeds::Costly,
     failures: &[" ERROR] "],
     hints: pbrt::PORT_HINTS,
     probe: |asked| pbrt::port(asked, "pbrt-r3"),

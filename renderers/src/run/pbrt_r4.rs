@@ -33,6 +33,7 @@ pub(super) const ROW: Driver = Driver {
         ("surface.ply", include_str!("test_scenes/surface.ply")),
     ],
     wavelengths: Some(pbrt::FOUR_WAVELENGTHS),
+    seeds: super::Seeds::Free,
     failures: &[" ERROR] "],
     hints: pbrt::PORT_HINTS,
     probe: |asked| pbrt::port(asked, "pbrt-r4"),

@@ -51,6 +51,18 @@ pub(crate) enum End {
     Cancelled,
 }
 
+/// What a program took, with all that it started.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Usage {
+    /// Seconds of processor time; none where the system does not tell, or no supervisor was there to hear of it.
+    pub cpu_seconds: Option<f64>,
+    /// Bytes of memory that its largest process held at once, looked at five times a second.
+    pub peak_memory: Option<u64>,
+}
+
+/// How often the memory is looked at.
+const LOOK: Duration = Duration::from_millis(200);
+
 /// Begins a log anew.
 pub(crate) fn begin(log: &Path) -> io::Result<()> {
     File::create(log).map(|_| ())
@@ -63,7 +75,7 @@ pub(crate) fn run(
     lines: Lines,
     patience: Patience<'_>,
     on_line: &mut dyn FnMut(&str),
-) -> io::Result<End> {
+) -> io::Result<(End, Usage)> {
     // Two writers share the log, so each write must go to the end.
     let open = || OpenOptions::new().append(true).create(true).open(log);
     let (sink, errors) = (open()?, open()?);
@@ -79,7 +91,12 @@ pub(crate) fn run(
     };
     let (sender, receiver) = sync_channel(64);
     thread::spawn(move || pump(stdout, sink, lines, &sender));
+    let (mut usage, mut looked) = (Usage::default(), None::<Instant>);
     let end = loop {
+        if looked.is_none_or(|looked| looked.elapsed() >= LOOK) {
+            usage.peak_memory = usage.peak_memory.max(tree.peak_memory());
+            looked = Some(Instant::now());
+        }
         match receiver.recv_timeout(POLL) {
             Ok(line) => on_line(&line),
             Err(RecvTimeoutError::Timeout) => {}
@@ -91,6 +108,7 @@ pub(crate) fn run(
         if tree.has_exited()? {
             // It may have been ended because this process is being ended.
             guard::stop_if_ending();
+            usage.cpu_seconds = tree.cpu_seconds();
             break End::Exited(tree.finish()?);
         }
         if patience.until.is_some_and(|until| Instant::now() >= until) {
@@ -103,7 +121,7 @@ pub(crate) fn run(
             tree.finish()?;
         }
     }
-    Ok(end)
+    Ok((end, usage))
 }
 
 /// The last lines of a log, fit for a terminal.
@@ -264,6 +282,28 @@ impl Tree {
     #[cfg(not(unix))]
     fn has_exited(&mut self) -> io::Result<bool> {
         Ok(self.child.try_wait()?.is_some())
+    }
+
+    /// The most memory that one of its processes has held.
+    #[cfg(unix)]
+    fn peak_memory(&self) -> Option<u64> {
+        crate::tree::peak_memory(pid(self.child.id())?)
+    }
+
+    /// The processor time of all that has ended; the supervisor, which has heard of it, is not yet waited for.
+    #[cfg(unix)]
+    fn cpu_seconds(&self) -> Option<f64> {
+        crate::tree::time_of_children(pid(self.child.id())?).filter(|_| supervisor::is_used())
+    }
+
+    #[cfg(not(unix))]
+    fn peak_memory(&self) -> Option<u64> {
+        None
+    }
+
+    #[cfg(not(unix))]
+    fn cpu_seconds(&self) -> Option<f64> {
+        None
     }
 
     /// Ends the supervisor's input, and gives it time to end what descends from it.

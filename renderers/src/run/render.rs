@@ -56,7 +56,7 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
     }
     let patience = Patience { until, cancel: request.cancel.as_deref() };
     let lines = if matches!(delivery, Delivery::Events) { Lines::Events } else { Lines::All };
-    let end = run(command, &log, lines, patience, &mut |line| match &delivery {
+    let ended = run(command, &log, lines, patience, &mut |line| match &delivery {
         Delivery::Events => gathered.take(line, scratch.path(), progress),
         Delivery::File(_, listener) => {
             if let Some(said) = listener(line) {
@@ -64,7 +64,8 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
             }
         }
     });
-    judge(request, end.map_err(io(&executable))?, &gathered, &log)?;
+    let (end, usage) = ended.map_err(io(&executable))?;
+    judge(request, end, &gathered, &log)?;
     let wall_seconds = watch.start.elapsed().as_secs_f64();
     let (image, samples_done, seconds) = match delivery {
         Delivery::Events => {
@@ -93,6 +94,7 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
         samples_done,
         executable,
         log_path: log,
+        usage,
         facts,
     })
 }

@@ -6,7 +6,7 @@ use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-use crate::install::LOCK;
+use super::installed::LOCK;
 
 use super::process::{End, Lines, Patience, begin, run, tail};
 use super::{Asked, Delivery, Job, Plan, RenderError};
@@ -105,6 +105,7 @@ pub(crate) fn ask(
     begin(&log).map_err(|error| error.to_string())?;
     let most = Instant::now() + PROBE_TIME;
     let patience = Patience { until: Some(until.map_or(most, |until| until.min(most))), cancel: None };
-    let end = run(command, &log, lines, patience, on_line).map_err(|error| format!("it does not start: {error}"))?;
+    let (end, _) =
+        run(command, &log, lines, patience, on_line).map_err(|error| format!("it does not start: {error}"))?;
     Ok((end, tail(&log, super::error::CAUSES)))
 }

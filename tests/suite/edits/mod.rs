@@ -3,6 +3,7 @@
 
 mod change;
 mod meaningless;
+mod removed;
 
 use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};

@@ -9,6 +9,7 @@ use ltsc_core::valid::Valid;
 use ltsc_evaluation::agree::page::{self, Row};
 use ltsc_evaluation::agree::{Asked, Study};
 use ltsc_evaluation::compare::verdict::{Outcome, Tolerance};
+use ltsc_evaluation::disk::probe;
 use ltsc_evaluation::job::driver_called;
 use ltsc_render::run::Driver;
 use serde_json::json;
@@ -18,7 +19,8 @@ use crate::output::{Exit, Failure};
 use crate::project::Project;
 use crate::terminal::{self, Watcher};
 
-use super::shared::{all_files_of, check, overrides, report};
+use super::said::one_scene;
+use super::shared::{Shown, all_files_of, check, overrides, report_as};
 
 /// The renderers that are compared unless others are named.
 const DEFAULT: [&str; 3] = ["mitsuba-3", "luxcore", "cycles"];
@@ -47,6 +49,9 @@ pub fn run(command: &Agree) -> Result<Exit, Failure> {
     if let Some(record) = &command.record {
         page::check(record, command.force)?;
     }
+    if let Some(folder) = &command.keep {
+        probe(folder)?;
+    }
     let origin = command.reference_name.as_deref().unwrap_or_default();
     let study = Study {
         settings: &command.set,
@@ -60,13 +65,13 @@ pub fn run(command: &Agree) -> Result<Exit, Failure> {
         force: command.force,
         reference: command.reference.as_deref().map(|folder| (folder, origin)),
     };
-    let mut each = |row: &Row| {
-        if command.format != Format::Json {
-            terminal::print(&row.text());
-        }
+    let mut each = |row: &Row| match command.findings.format {
+        Format::Json => {}
+        Format::Short => terminal::print(&row.short()),
+        Format::Human | Format::Sarif | Format::Github => terminal::print(&row.text()),
     };
     let (mut rows, mut exit, mut scenes) = (Vec::new(), Exit::Done, 0);
-    for (project, files) in all_files_of(&command.scenes, &command.findings())? {
+    for (project, files) in all_files_of(&command.scenes, &command.findings)? {
         for file in &files {
             match scene_of(command, &project, file)? {
                 Ok(Some(scene)) => {
@@ -91,7 +96,7 @@ pub fn run(command: &Agree) -> Result<Exit, Failure> {
     if let Some(record) = &command.record {
         page::record(record, &rows, command.force)?;
     }
-    if command.format == Format::Json {
+    if command.findings.format == Format::Json {
         let rows: Vec<serde_json::Value> = rows.iter().map(|row| json!(row)).collect();
         terminal::print(&format!("{:#}\n", json!({ "rows": rows })));
     }
@@ -121,10 +126,14 @@ fn scene_of(command: &Agree, project: &Project, file: &PathBuf) -> Result<Result
         set: overrides(&command.settings())?.set,
         ..Overrides::default()
     };
-    let files = check(project, std::slice::from_ref(file), &command.findings(), wanted, &[])?;
-    let (exit, _) = report(&files, Vec::new(), Format::Human, false, true);
+    let files = check(project, std::slice::from_ref(file), &command.findings, wanted, &[])?;
+    let format = if command.findings.format == Format::Short { Format::Short } else { Format::Human };
+    let (exit, _) = report_as(&files, Vec::new(), None, format, false, Shown::Refusals);
     if exit != Exit::Done {
         return Ok(Err(exit));
+    }
+    if let (Format::Human, Some(only)) = (format, files.first()) {
+        one_scene(&only.checked.findings, None, file);
     }
     let Some(scene) = files.into_iter().next().and_then(|file| file.checked.scene) else { return Ok(Ok(None)) };
     let name = scene.name.clone();

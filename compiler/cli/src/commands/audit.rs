@@ -11,7 +11,7 @@ use ltsc_core::valid::Valid;
 use serde_json::{Value, json};
 
 use crate::args::{self, Format};
-use crate::output::{self, Exit, Failure, Located};
+use crate::output::{self, Exit, Failure, Located, why};
 use crate::project::{self, Project};
 use crate::terminal;
 use ltsc_evaluation::disk::DiskFiles;
@@ -93,7 +93,7 @@ fn audited(
         .ok_or_else(|| Failure::new(Exit::Usage, format!("the scene `{}` has no such camera", scene.name)))?;
     let open = |folder: &Path| {
         DiskFiles::new(folder)
-            .map_err(|error| Failure::new(Exit::Input, format!("{} cannot be read: {error}", folder.display())))
+            .map_err(|error| Failure::new(Exit::Input, format!("{} cannot be read: {}", folder.display(), why(&error))))
     };
     if let Some(folder) = &command.folder {
         let files = Named { files: open(folder)?, folder: folder.clone() };

@@ -1,15 +1,14 @@
 //! `ltsc completions`.
 
-use clap::CommandFactory;
 use clap_complete::{Shell, generate};
 
-use crate::args::Arguments;
+use crate::args;
 use crate::output::{Exit, Failure};
 use crate::terminal;
 
 pub fn run(shell: Shell) -> Result<Exit, Failure> {
     let mut bytes = Vec::new();
-    generate(shell, &mut Arguments::command(), "ltsc", &mut bytes);
+    generate(shell, &mut args::command(), "ltsc", &mut bytes);
     terminal::print(&String::from_utf8_lossy(&bytes));
     Ok(Exit::Done)
 }

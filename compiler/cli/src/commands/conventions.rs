@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use ltsc_evaluation::conventions::judge::Verdict;
 use ltsc_evaluation::conventions::{PAGE, asked, chosen, coverage, measured, report, results, stored, table};
-use ltsc_evaluation::disk::Pages;
+use ltsc_evaluation::disk::{Pages, probe};
 use ltsc_evaluation::job::{Runner, driver_called};
 use ltsc_render::run::Driver;
 
@@ -43,6 +43,7 @@ pub fn run(command: &Conventions) -> Result<Exit, Failure> {
     // All of them are looked for before the first one starts.
     let runners = drivers.iter().map(|driver| runner(command, driver)).collect::<Result<Vec<_>, _>>()?;
     if let Some(folder) = &command.output {
+        probe(folder)?;
         let pages = Pages::new(folder, results::BY);
         let files = runners.iter().filter_map(|runner| {
             let version = runner.found.version.as_str();

@@ -38,7 +38,8 @@ pub fn run(command: &Diff) -> Result<Exit, Failure> {
     }
     match command.format {
         Format::Json => terminal::print(&format!("{document:#}\n")),
-        Format::Human | Format::Short | Format::Sarif | Format::Github => {
+        Format::Short => terminal::print(&short(&comparison, beyond)),
+        Format::Human | Format::Sarif | Format::Github => {
             terminal::print(&to_text(&comparison));
             if let (Some(beyond), Some(tolerance)) = (beyond, command.tolerance) {
                 let word = if beyond { "beyond" } else { "within" };
@@ -47,6 +48,16 @@ pub fn run(command: &Diff) -> Result<Exit, Failure> {
         }
     }
     Ok(if beyond == Some(true) { Exit::No } else { Exit::Done })
+}
+
+/// The ratios of the means, the tile that is farthest off, and the answer, in a line.
+fn short(comparison: &Comparison, beyond: Option<bool>) -> String {
+    let number = |value: &Option<f64>| value.map_or("-".to_owned(), |value| format!("{value:.4}"));
+    let ratios: Vec<String> =
+        comparison.metric("ratio").map_or(Vec::new(), |value| value.channels.iter().map(number).collect());
+    let worst = comparison.tiles.worst.as_ref().map_or("none".to_owned(), |worst| number(&worst.ratio));
+    let answer = beyond.map_or("", |beyond| if beyond { ", beyond the tolerance" } else { ", within the tolerance" });
+    format!("ratio {}, worst tile {worst}{answer}\n", ratios.join(" "))
 }
 
 fn unreadable(error: &ImageError) -> Failure {

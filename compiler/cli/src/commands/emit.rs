@@ -63,6 +63,7 @@ fn all(command: &Emit) -> Result<Exit, Failure> {
         force: command.force,
         set: Vec::new(),
         stats: false,
+        verbose: false,
         findings: command.findings.clone(),
     })
 }

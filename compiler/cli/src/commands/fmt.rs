@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use similar::TextDiff;
 
 use crate::args::{Fmt, Format};
-use crate::output::{self, Exit, Failure, Located, show};
+use crate::output::{self, Exit, Failure, Located, show, why};
 use crate::project::{self, limits_with};
 use crate::terminal;
 use ltsc_evaluation::disk::{self, DiskFiles};
@@ -78,7 +78,7 @@ pub fn run(command: &Fmt) -> Result<Exit, Failure> {
     for problem in problems {
         worst = worst.max(failed(problem));
     }
-    let (mut rest, mut changed) = (Vec::new(), 0);
+    let (mut rest, mut changed, mut refused) = (Vec::new(), 0, 0);
     for (asked, done) in files.iter().zip(done) {
         let exit = match done {
             Ok(Done::Unchanged(_)) => Exit::Done,
@@ -99,6 +99,7 @@ pub fn run(command: &Fmt) -> Result<Exit, Failure> {
                 if only_said { Exit::No } else { Exit::Done }
             }
             Ok(Done::Refused(findings, sources)) => {
+                refused += 1;
                 rest.push((findings, sources, Arc::clone(&asked.prefix)));
                 Exit::Input
             }
@@ -111,7 +112,8 @@ pub fn run(command: &Fmt) -> Result<Exit, Failure> {
     let count = files.len();
     let plural = if count == 1 { "" } else { "s" };
     let what = if command.check || command.diff { "not formatted" } else { "changed" };
-    terminal::say(&format!("{count} file{plural}, {changed} {what}"));
+    let refused = if refused > 0 { format!(", {refused} with errors left as they are") } else { String::new() };
+    terminal::say(&format!("{count} file{plural}, {changed} {what}{refused}"));
     Ok(worst)
 }
 
@@ -150,7 +152,8 @@ fn input(command: &Fmt) -> Result<Exit, Failure> {
 fn one(asked: &Asked, command: &Fmt) -> Result<Done, Failure> {
     let Asked { file, path, prefix: _, most } = asked;
     let (name, most) = (file.display().to_string(), *most);
-    let unreadable = |error: std::io::Error| Failure::new(Exit::Input, format!("{name} cannot be read: {error}"));
+    let unreadable =
+        |error: std::io::Error| Failure::new(Exit::Input, format!("{name} cannot be read: {}", why(&error)));
     let bytes = match regular::read(file, most) {
         Err(error) if error.kind() == std::io::ErrorKind::FileTooLarge => return Err(too_large(&name, most)),
         other => other.map_err(unreadable)?,
@@ -162,7 +165,7 @@ fn one(asked: &Asked, command: &Fmt) -> Result<Done, Failure> {
         && !command.diff
     {
         let written = disk::rewrite(file, &project::around(file), after.as_bytes());
-        written.map_err(|error| Failure::new(Exit::Environment, format!("{name} cannot be written: {error}")))?;
+        written.map_err(|error| disk::unwritable(file, &error))?;
     }
     Ok(done)
 }

@@ -8,6 +8,7 @@ use crate::args::Init;
 use crate::output::{Exit, Failure};
 use crate::project::FILE;
 use crate::terminal;
+use ltsc_evaluation::disk::unwritable;
 
 /// The project file, with what can be said in it.
 const PROJECT: &str = "\
@@ -36,9 +37,7 @@ pub fn run(command: &Init) -> Result<Exit, Failure> {
                 .help("choose another folder: `ltsc init FOLDER`"));
         }
     }
-    let failed = |path: &Path, error: io::Error| {
-        Failure::new(Exit::Environment, format!("{} cannot be written: {error}", path.display()))
-    };
+    let failed = |path: &Path, error: io::Error| unwritable(path, &error);
     let parent = scene.parent().unwrap_or(&folder);
     fs::create_dir_all(parent).map_err(|error| failed(parent, error))?;
     for (path, text) in [(&scene, SCENE), (&project, PROJECT)] {

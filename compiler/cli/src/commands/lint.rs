@@ -11,7 +11,7 @@ use crate::output::{Counts, Exit, Failure, Located};
 use crate::{project, terminal};
 
 use super::fixes::{self, Fixed};
-use super::shared::{CheckedFile, check, counted, files_of, ledgers, report_fixed, set_for};
+use super::shared::{CheckedFile, Shown, check, counted, files_of, ledgers, report_as, set_for};
 use super::users::users;
 
 pub fn run(command: &Lint) -> Result<Exit, Failure> {
@@ -57,7 +57,8 @@ pub fn run(command: &Lint) -> Result<Exit, Failure> {
         return Ok(if !tally.fixes.is_empty() { exit.max(Exit::No) } else { exit });
     }
     let fixed = command.fix.then_some(tally.fixes.as_slice());
-    let (exit, counts) = report_fixed(&files, more.collect(), fixed, command.findings.format, true, targets.is_empty());
+    let shown = if targets.is_empty() { Shown::Warnings } else { Shown::All };
+    let (exit, counts) = report_as(&files, more.collect(), fixed, command.findings.format, true, shown);
     if command.fix {
         terminal::say(&tally.words("fixed"));
     }

@@ -3,6 +3,7 @@
 mod agree;
 mod audit;
 mod build;
+mod cache;
 mod completions;
 mod conventions;
 mod diff;
@@ -16,6 +17,7 @@ mod lint;
 mod manual;
 mod render;
 mod renderers;
+mod said;
 mod shared;
 mod similar;
 mod stats;
@@ -41,6 +43,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Diff(command) => diff::run(&command),
         Command::Agree(command) => agree::run(&command),
         Command::Renderers(command) => renderers::run(&command),
+        Command::Cache(command) => cache::run(&command),
         Command::Conventions(command) => conventions::run(&command),
         Command::Explain(command) => explain::run(&command),
         Command::Doc(command) => doc::run(&command),
@@ -67,7 +70,8 @@ fn format_of(command: &Command) -> Format {
         Command::Render(command) => command.findings.format,
         Command::Diff(command) => command.format,
         Command::Conventions(command) => command.format,
-        Command::Agree(command) => command.format,
+        Command::Agree(command) => command.findings.format,
+        Command::Cache(command) => command.format,
         Command::Renderers(command) => match command.action {
             RenderersAction::List { format } => format,
             RenderersAction::Install { .. } | RenderersAction::Trust => Format::Human,

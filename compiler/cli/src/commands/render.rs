@@ -2,30 +2,27 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ltsc_core::capability::algorithm;
 use ltsc_core::ir::Scene;
-use ltsc_core::pipeline;
-use ltsc_render::cache::CachePaths;
-use ltsc_render::env::Env;
-use ltsc_render::guard::Folder;
 use ltsc_render::image::{Provenance, exr_bytes};
-use ltsc_render::run::{Driver, Progress, RenderRequest, Rendered, render};
+use ltsc_render::run::{Driver, Progress, Rendered, Usage};
 use serde_json::json;
 
 use crate::args::{Format, Render};
 use crate::output::{Exit, Failure};
-use crate::terminal::{self, Bar};
-use ltsc_evaluation::disk::{DiskSink, Log, check_log, unwritable, write_whole};
+use crate::terminal::{self, Bar, Watcher};
+use ltsc_evaluation::chunk::{self, Plan, Store, plan_of_one};
+use ltsc_evaluation::disk::{Log, append, check_log, probe_file, unwritable, write_whole};
 
 use super::shared::{One, one};
-use ltsc_evaluation::job::{driver_called, lacks, target_of};
+use ltsc_evaluation::job::{Job, Runner, Writing, driver_called, lacks, target_of};
 
 pub fn run(command: &Render) -> Result<Exit, Failure> {
     let driver = driver_called(&command.renderer)?;
     check_output(command)?;
-    let scene = match one(&command.scene, &command.findings, &command.settings)? {
+    let mut scene = match one(&command.scene, &command.findings, &command.settings)? {
         Ok(scene) => scene,
         Err(exit) => return Ok(exit),
     };
@@ -35,26 +32,21 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
     if exit != Exit::Done {
         return Ok(exit);
     }
-    let work = Folder::new()
-        .map_err(|error| Failure::new(Exit::Environment, format!("no temporary folder can be made: {error}")))?;
-    let failed = |error: std::io::Error| unwritable(work.path(), &error);
-    let mut sink = DiskSink::own(work.path(), &scene.scene.name);
-    pipeline::emit_alone(&scene.scene, scene.camera, target, &scene.ledger(target), &scene.project.choices, &mut sink)
-        .map_err(failed)?;
-    if let Some(exit) = scene.audited(target, &sink, command.findings.format) {
-        return Ok(exit);
+    let runner = runner(command, driver, &scene)?;
+    let (samples, seed) = (scene.scene.sampler.samples(), scene.scene.sampler.seed());
+    let plan = plan_of_one(driver, u64::from(samples));
+    if plan.count > 1 {
+        // What is written tells the chunks apart by nothing but what the driver sets.
+        scene.scene.set_sampling(plan.samples, 0);
     }
-    sink.finish().map_err(failed)?;
-    let executable = match &command.executable {
-        Some(given) => Some(given.clone()),
-        None => scene.project.program(driver.name)?.map(Path::to_path_buf),
-    };
+    let ledger = scene.ledger(target);
+    let writing = Writing { camera: Some(scene.camera), choices: scene.project.choices.clone(), ledger: Some(&ledger) };
+    let job = Job::written(&scene.scene, &runner, &writing)?;
     let log = log_of(command);
-    let request = request(command, driver, &scene, (executable, work.path(), &log));
     let whole = Log::begin(&log, command.force)?;
-    let rendered = watch(&request, &scene)?;
+    let rendered = watch(&job, plan, seed, &log)?;
     drop(whole);
-    let provenance = provenance(command, driver, &scene, &rendered);
+    let provenance = provenance(command, driver, (&scene, seed), &rendered);
     let bytes = exr_bytes(&command.output, &rendered.image, &provenance)
         .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))?;
     write_whole(&command.output, &mut |out| out.write_all(&bytes))
@@ -102,18 +94,14 @@ fn check_output(command: &Render) -> Result<(), Failure> {
     }
     // It may have taken hours, with more samples than now.
     match std::fs::symlink_metadata(path) {
-        Ok(meta) if meta.is_dir() => return Err(usage(format!("{} is a folder", path.display()))),
-        Ok(_) if !command.force => {
+        Ok(meta) if !meta.is_dir() && !command.force => {
             return Err(usage(format!("{} is there", path.display()))
                 .help("choose another name, or add `--force` to write over it"));
         }
         _ => {}
     }
+    probe_file(path)?;
     check_log(&log, command.force)?;
-    for path in [path, &log] {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        std::fs::create_dir_all(folder).map_err(|error| usage(format!("{}: {error}", folder.display())))?;
-    }
     Ok(())
 }
 
@@ -150,35 +138,26 @@ fn check_algorithm(driver: &Driver, scene: &Scene) -> Result<(), Failure> {
     }))
 }
 
-fn request(
-    command: &Render,
-    driver: &'static Driver,
-    scene: &One,
-    (executable, folder, log): (Option<PathBuf>, &Path, &Path),
-) -> RenderRequest {
-    let film = &scene.scene.film;
-    let (samples, seed) = (scene.scene.sampler.samples(), scene.scene.sampler.seed());
-    let env = Env::of_process();
-    let cache = CachePaths::find(&env);
-    let size = (film.width as usize, film.height as usize);
-    RenderRequest {
-        executable,
-        env,
-        cache,
-        main_file: driver.main_file.replace("SCENE", &scene.scene.name),
-        samples,
-        seed,
-        threads: command.threads.map(|threads| threads as usize),
-        timeout: command.timeout.map(Duration::from_secs),
-        ..RenderRequest::new(driver, folder.to_path_buf(), size, log.to_path_buf())
-    }
+/// The renderer, which answers and renders within the time that is given.
+fn runner(command: &Render, driver: &'static Driver, scene: &One) -> Result<Runner, Failure> {
+    let given = command.executable.as_deref();
+    let configured = if given.is_none() { scene.project.program(driver.name)? } else { None };
+    let begun = Instant::now();
+    let timeout = command.timeout.map(Duration::from_secs);
+    let found = Runner::find(driver, given, configured, timeout)?;
+    let left = timeout.map(|timeout| timeout.saturating_sub(begun.elapsed()));
+    Ok(Runner { threads: command.threads.map(|threads| threads as usize), timeout: left, ..found })
 }
 
 /// Renders under a progress bar.
-fn watch(request: &RenderRequest, scene: &One) -> Result<Rendered, Failure> {
-    let what = format!("{} ({})", scene.scene.name, request.driver.name);
-    let mut bar = Bar::new(u64::from(request.samples), &what);
-    let rendered = render(request, &mut |progress| match progress {
+fn watch(job: &Job<'_>, plan: Plan, seed: u32, log: &Path) -> Result<Rendered, Failure> {
+    let what = format!("{} ({})", job.scene(), job.runner().driver.name);
+    let samples = plan.samples;
+    if let (2.., Some(cache)) = (plan.count, &job.runner().cache) {
+        return chunked(&Store::of(cache), job, plan, seed, log);
+    }
+    let mut bar = Bar::new(u64::from(samples), &what);
+    let rendered = job.render_logged(samples, seed, log, &mut |progress| match progress {
         Progress::Samples { done, total: _, seconds: _ } => bar.set(done),
         Progress::Started { version } => bar.say(&format!("{what} {version}")),
         Progress::Loaded { seconds: _ } => bar.say(&what),
@@ -187,7 +166,30 @@ fn watch(request: &RenderRequest, scene: &One) -> Result<Rendered, Failure> {
     rendered.map_err(|error| Failure::of_renderer(&error))
 }
 
-fn provenance(command: &Render, driver: &Driver, scene: &One, rendered: &Rendered) -> Provenance {
+/// Renders a long image in chunks, which are kept, so that a run that is ended goes on where it was.
+fn chunked(store: &Store, job: &Job<'_>, plan: Plan, seed: u32, log: &Path) -> Result<Rendered, Failure> {
+    let first = seed.checked_mul(plan.count).ok_or_else(|| {
+        Failure::new(Exit::Usage, format!("the seed {seed} is too large for an image in {} chunks", plan.count))
+            .help("count seeds from 0")
+    })?;
+    let chunks = chunk::render(store, job, plan, first, &mut Watcher::default())?;
+    let (image, _) = chunks.combined()?;
+    append(log, &mut |out| chunks.write_logs(out)).map_err(|error| unwritable(log, &error))?;
+    let cost = chunks.cost;
+    Ok(Rendered {
+        image,
+        seconds: cost.seconds,
+        wall_seconds: cost.seconds,
+        renderer_version: cost.version,
+        samples_done: cost.samples,
+        executable: job.runner().found.path.clone(),
+        log_path: log.to_path_buf(),
+        usage: Usage { cpu_seconds: cost.cpu_seconds, peak_memory: cost.peak_memory },
+        facts: vec![("chunks".to_owned(), format!("{} of {} samples", plan.count, plan.samples))],
+    })
+}
+
+fn provenance(command: &Render, driver: &Driver, (scene, seed): (&One, u32), rendered: &Rendered) -> Provenance {
     let camera = command.settings.camera.iter().map(|name| ("camera".to_owned(), name.clone()));
     let parameters = &scene.scene.documentation.parameters;
     let values: Vec<String> = parameters.iter().map(|one| format!("{}={}", one.name, one.value)).collect();
@@ -199,7 +201,7 @@ fn provenance(command: &Render, driver: &Driver, scene: &One, rendered: &Rendere
         renderer: driver.name.to_owned(),
         renderer_version: rendered.renderer_version.clone(),
         samples: rendered.samples_done,
-        seed: u64::from(scene.scene.sampler.seed()),
+        seed: u64::from(seed),
         seconds: rendered.seconds,
         extra: camera.chain(values).chain(rendered.facts.iter().cloned()).collect(),
     }

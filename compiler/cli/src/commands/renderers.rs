@@ -74,6 +74,9 @@ fn list(format: Format) -> Result<Exit, Failure> {
         let shown = path.filter(|_| detail.is_empty()).map_or(detail, |path| path.display().to_string());
         let name = terminal::strong(&format!("{:<12}", driver.name), true);
         text.push_str(&format!("{name} {word:<14} {version:<10} {shown}\n"));
+        if format == Format::Short {
+            continue;
+        }
         let which = if installable(driver) { "pinned version" } else { "version" };
         text.push_str(&format!(
             "{:<12} {}; reads target {}, {which} {}\n",
@@ -106,7 +109,10 @@ fn trust_named() -> Result<Exit, Failure> {
         return Ok(Exit::Done);
     }
     trust::trust(&project.root, project.programs.values().cloned())
-        .map_err(|error| Failure::new(Exit::Environment, format!("this cannot be remembered: {error}")))?;
+        .map_err(|error| Failure::new(Exit::Environment, format!("this cannot be remembered: {error}")))
+        .map_err(|failure| {
+            failure.help("set LTSC_CACHE to a folder that can be written, or name the project in LTSC_TRUST")
+        })?;
     for (name, program) in &project.programs {
         terminal::say(&format!("{name}: {} is run from now on where {} names it", program.display(), file.display()));
     }
@@ -118,7 +124,7 @@ fn installable(driver: &Driver) -> bool {
 }
 
 /// How to come by a renderer, in a few words.
-fn advice(driver: &Driver) -> String {
+pub fn advice(driver: &Driver) -> String {
     match &driver.installation {
         Installation::Python(_) | Installation::Cargo(_) => format!("ltsc renderers install {}", driver.name),
         Installation::User { source } => {

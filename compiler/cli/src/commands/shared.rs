@@ -17,10 +17,12 @@ use rayon::prelude::*;
 use serde_json::Value;
 
 use crate::args::{self, Format};
-use crate::output::{self, Exit, Failure, Located};
+use crate::output::{self, Exit, Failure, Located, why};
 use crate::project::{self, Project};
 use crate::terminal;
 use ltsc_evaluation::disk::{Changed, DiskFiles};
+
+use super::said;
 
 /// Findings shown to people before the rest is only counted.
 const SHOWN: usize = 100;
@@ -29,6 +31,8 @@ const SHOWN: usize = 100;
 pub struct CheckedFile {
     /// Below the project's root.
     pub path: VPath,
+    /// As it was found.
+    pub file: PathBuf,
     pub checked: Checked,
     pub sources: Sources,
     /// Where the project lies in its repository.
@@ -114,7 +118,7 @@ pub fn check(
 pub fn disk_of(project: &Project, findings: &args::Findings) -> Result<DiskFiles, Failure> {
     let root = findings.root.as_deref().unwrap_or(&project.root);
     DiskFiles::new(root)
-        .map_err(|error| Failure::new(Exit::Usage, format!("{} cannot be read: {error}", root.display())))
+        .map_err(|error| Failure::new(Exit::Usage, format!("{} cannot be read: {}", root.display(), why(&error))))
 }
 
 /// [`check`] of files of which some are not as they are on the disk.
@@ -153,14 +157,15 @@ pub fn check_each<T: Send>(
         let Some(path) = from.disk.path_of(file) else {
             let (path, finding) = nameless(file, root);
             let checked = Checked { findings: vec![finding], ..Checked::default() };
-            return Ok(keep(CheckedFile { path, checked, sources: Sources::default(), prefix: Arc::clone(&prefix) }));
+            let sources = Sources::default();
+            return Ok(keep(CheckedFile { path, file: file.clone(), checked, sources, prefix: Arc::clone(&prefix) }));
         };
         let (checked, sources) = guarded(&path, || {
             let mut sources = Sources::default();
             let checked = pipeline::check(from, &mut sources, &path, &options);
             (checked, sources)
         });
-        Ok(keep(CheckedFile { path, checked, sources, prefix: Arc::clone(&prefix) }))
+        Ok(keep(CheckedFile { path, file: file.clone(), checked, sources, prefix: Arc::clone(&prefix) }))
     };
     // One file is not worth starting threads for.
     if files.len() == 1 { files.iter().map(one).collect() } else { files.par_iter().map(one).collect() }
@@ -262,20 +267,35 @@ pub fn report(
     to_stdout: bool,
     quiet: bool,
 ) -> (Exit, output::Counts) {
-    report_fixed(files, more, None, format, to_stdout, quiet)
+    report_as(files, more, None, format, to_stdout, if quiet { Shown::Warnings } else { Shown::All })
 }
 
-/// [`report`] with what was fixed, which JSON shows.
-pub fn report_fixed(
+/// What people see of findings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Shown {
+    /// What refuses; warnings are the business of another line.
+    Refusals,
+    /// Warnings too.
+    Warnings,
+    /// Remarks too.
+    All,
+}
+
+/// [`report`] with what was fixed, which JSON shows, and with more or less for people.
+pub fn report_as(
     files: &[CheckedFile],
     more: Vec<Located<'_>>,
     fixed: Option<&[Value]>,
     format: Format,
     to_stdout: bool,
-    quiet: bool,
+    shown: Shown,
 ) -> (Exit, output::Counts) {
     let mut all = gathered(files, more);
     let (exit, counts) = tallied(&all);
+    let quiet = shown != Shown::All;
+    if format == Format::Human && shown == Shown::Refusals {
+        all.retain(|located| located.finding.severity >= Severity::Deny);
+    }
     if format == Format::Human && all.len() > SHOWN {
         let rest = all.len() - SHOWN;
         all.truncate(SHOWN);
@@ -301,41 +321,6 @@ pub fn losses<'s>(scenes: &[(&[Ledger], &'s CheckedFile)], levels: &Levels) -> V
         of.into_iter().map(|finding| file.located(finding))
     });
     all.collect()
-}
-
-/// What each target approximates or does not support of scenes, each thing once, for people.
-pub fn say_losses(scenes: &[&[Ledger]]) {
-    let targets = scenes.first().map_or(0, |ledgers| ledgers.len());
-    for at in 0..targets {
-        let mut dropped: Vec<&str> = Vec::new();
-        // With the largest difference of any scene, where it can be computed.
-        let mut approximated: Vec<(&str, Option<f64>)> = Vec::new();
-        for ledger in scenes.iter().map(|ledgers| &ledgers[at]) {
-            for one in &ledger.dropped {
-                if !dropped.contains(&one.what) {
-                    dropped.push(one.what);
-                }
-            }
-            for one in &ledger.approximated {
-                let here = one.here.as_ref().map(|here| here.at_most);
-                match approximated.iter_mut().find(|(what, _)| *what == one.what) {
-                    Some((_, most)) => *most = most.map_or(here, |most| Some(here.map_or(most, |here| here.max(most)))),
-                    None => approximated.push((one.what, here)),
-                }
-            }
-        }
-        let name = scenes[0][at].target;
-        if !approximated.is_empty() {
-            let words = approximated.iter().map(|(what, most)| match most {
-                Some(most) => format!("{what} (by up to {})", ltsc_core::ledger::percent(*most)),
-                None => (*what).to_owned(),
-            });
-            terminal::say(&format!("{name}: approximated: {}", words.collect::<Vec<_>>().join(", ")));
-        }
-        if !dropped.is_empty() {
-            terminal::say(&format!("{name}: not supported: {}", dropped.join(", ")));
-        }
-    }
 }
 
 /// The values that `--set` gives to parameters, one for each.
@@ -392,8 +377,6 @@ pub struct One {
     file: CheckedFile,
     /// What was lost before any target was asked.
     before: Vec<Finding>,
-    /// The file as it was named.
-    shown: PathBuf,
 }
 
 impl One {
@@ -413,32 +396,14 @@ impl One {
         if quiet && format.is_document() && !refused {
             return Ok(Exit::Done);
         }
-        // People get a line for each target below, and what forbids to go on.
+        // People get one line, and what forbids to go on.
         let all = lost.into_iter().filter(|located| format != Format::Human || denied(located)).collect();
         if format == Format::Human && !refused {
-            // What a reader left out is no matter of taste: the image is another one without it.
-            let unread = |finding: &&Finding| finding.severity == Severity::Warn && finding.id.starts_with("loss-");
-            let unread: Vec<&Finding> = self.file.checked.findings.iter().filter(unread).collect();
-            for finding in &unread {
-                terminal::say(&format!("warning: {}", finding.message));
-            }
-            // `lint` shows the others: a sweep of renderings does not say the same again each time.
-            let (_, counts) = counted(std::slice::from_ref(&self.file), all);
-            let others = counts.warnings.saturating_sub(unread.len());
-            if others > 0 {
-                let (more, plural) = (if unread.is_empty() { "" } else { "more " }, if others == 1 { "" } else { "s" });
-                terminal::say(&format!(
-                    "{others} {more}warning{plural}: `ltsc lint {}` shows what",
-                    self.shown.display()
-                ));
-            }
-            say_losses(&[&ledgers]);
+            // `lint` shows them: a sweep of renderings does not say the same again each time.
+            said::one_scene(&self.file.checked.findings, Some(&ledgers[0]), &self.file.file);
             return Ok(Exit::Done);
         }
         let (exit, _) = report(std::slice::from_ref(&self.file), all, format, false, true);
-        if format == Format::Human {
-            say_losses(&[&ledgers]);
-        }
         Ok(exit)
     }
 }
@@ -463,7 +428,6 @@ impl One {
 /// back.
 pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) -> Result<Result<One, Exit>, Failure> {
     let project = Project::of(file)?;
-    let shown = file.to_path_buf();
     if file.is_dir() {
         return Err(Failure::new(Exit::Usage, format!("{} is a folder", file.display())).help("name one scene"));
     }
@@ -489,7 +453,7 @@ pub fn one(file: &Path, findings: &args::Findings, settings: &args::Settings) ->
     let before = file.checked.losses().chain(&remarks).cloned().collect();
     file.checked.findings.extend(remarks);
     match scene {
-        Some(scene) => Ok(Ok(One { project, scene, camera, hash, file, before, shown })),
+        Some(scene) => Ok(Ok(One { project, scene, camera, hash, file, before })),
         None => Ok(Err(refuse(&[file]))),
     }
 }

@@ -65,7 +65,14 @@ pub fn run(command: &Similar) -> Result<Exit, Failure> {
             terminal::print(&format!("{document:#}\n"));
         }
         Format::Human | Format::Short | Format::Sarif | Format::Github => {
-            terminal::print(&text(&scene, &rows, command.all));
+            let text = text(&scene, &rows, command.all);
+            // The rows alone, without what follows from them.
+            let rows = text.split("\n\n").next().unwrap_or_default();
+            terminal::print(&if command.findings.format == Format::Short {
+                format!("{}\n", rows.trim_end())
+            } else {
+                text
+            });
             if !unread.is_empty() {
                 terminal::say(&format!("not compared, since they cannot be read: {}", unread.join(", ")));
             }

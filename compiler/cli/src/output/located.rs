@@ -3,9 +3,7 @@
 use ltsc_core::diag::{Edit, Finding, Origin, Sources, Span};
 use serde_json::{Value, json};
 
-use crate::terminal;
-
-use super::severity_word;
+use crate::terminal::{self, severity_word};
 
 /// A finding with the text that its spans lie in.
 pub struct Located<'s> {

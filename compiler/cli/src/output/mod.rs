@@ -7,7 +7,7 @@ mod sarif;
 use std::io::Write;
 
 use ltsc_core::diag::{Finding, Severity};
-pub use ltsc_evaluation::failure::{Exit, Failure};
+pub use ltsc_evaluation::failure::{Exit, Failure, why};
 use serde_json::{Value, json};
 
 use crate::args::Format;
@@ -35,16 +35,6 @@ pub fn show(failure: &Failure) -> Exit {
         terminal::help(help);
     }
     failure.exit
-}
-
-/// "error" for what ends with an exit code of its own, "warning" and "info" for the rest.
-pub fn severity_word(severity: Severity) -> &'static str {
-    match severity {
-        Severity::Error | Severity::Deny => "error",
-        Severity::Warn => "warning",
-        Severity::Info => "info",
-        Severity::Allow => "allowed",
-    }
 }
 
 /// How many findings of each kind.

@@ -345,14 +345,25 @@ pub fn audit(
     (audit.max_depth, audit.film) = (reading.max_depth, reading.film);
     audit.fov_x = reading.view.map(|view| view.fov_x);
     if unread.is_empty() {
-        settings::compare(asked, target, &reading, &mut found);
-        walk::compare(asked, target, &reading, meshes, &mut audit, &mut found);
-        pictures::compare(asked, target, &reading, meshes.files, &mut found);
+        compare(asked, target, &reading, meshes, (&mut audit, &mut found));
     }
     audit.said.lights = reading.lights.len() as u64;
     audit.findings = unread;
     audit.findings.extend(found.finish());
     audit
+}
+
+/// Everything that was read, held against the scene.
+fn compare(
+    asked: &Asked<'_>,
+    target: &Target,
+    reading: &Reading,
+    meshes: &mut Meshes<'_>,
+    (audit, found): (&mut Audit, &mut Found),
+) {
+    settings::compare(asked, target, reading, found);
+    walk::compare(asked, target, reading, meshes, audit, found);
+    pictures::compare(asked, target, reading, meshes.files, found);
 }
 
 /// What of a scene a target cannot say.
@@ -431,5 +442,11 @@ fn measured(reading: &Reading, meshes: &mut Meshes<'_>, found: &mut Found) -> Ve
     reading.meshes.iter().map(of).collect()
 }
 
+#[cfg(test)]
+mod comparison_tests;
+#[cfg(test)]
+mod mesh_tests;
+#[cfg(test)]
+mod surface_tests;
 #[cfg(test)]
 mod tests;

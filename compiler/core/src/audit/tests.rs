@@ -20,7 +20,7 @@ fn readable() -> impl Iterator<Item = &'static Target> {
 }
 
 /// A scene as a target's folder beside the meshes that targets share.
-fn written(scene: &Valid, target: &Target) -> BTreeMap<String, Vec<u8>> {
+pub(super) fn written(scene: &Valid, target: &Target) -> BTreeMap<String, Vec<u8>> {
     written_by(scene, target, &Choices::default())
 }
 
@@ -42,11 +42,11 @@ fn written_by(scene: &Valid, target: &Target, choices: &Choices) -> BTreeMap<Str
     sink.files
 }
 
-fn camera(scene: &Scene) -> Handle<Camera> {
+pub(super) fn camera(scene: &Scene) -> Handle<Camera> {
     scene.cameras.iter().next().expect("a camera").0
 }
 
-fn audited(scene: &Valid, target: &'static Target, files: &BTreeMap<String, Vec<u8>>) -> Audit {
+pub(super) fn audited(scene: &Valid, target: &'static Target, files: &BTreeMap<String, Vec<u8>>) -> Audit {
     let mut memory = MemoryFiles::default();
     for (path, bytes) in files {
         memory.insert(path.clone(), bytes.clone());
@@ -55,7 +55,7 @@ fn audited(scene: &Valid, target: &'static Target, files: &BTreeMap<String, Vec<
     audit(&asked, target, target.name, &NONE, &mut Meshes::new(&memory))
 }
 
-fn said(audit: &Audit) -> Vec<String> {
+pub(super) fn said(audit: &Audit) -> Vec<String> {
     let line = |finding: &Finding| format!("{} {:?} {}", finding.id, finding.origin, finding.message);
     audit.findings.iter().map(line).collect()
 }
@@ -76,7 +76,7 @@ fn clean(scene: Scene) {
 }
 
 /// A room with a metal block, two glass ones, a mirror, plastic, and every light.
-fn full() -> Scene {
+pub(super) fn full() -> Scene {
     let mut scene = sample::room();
     let bsdfs = [
         Bsdf::Conductor { eta: Color::Rgb([0.2, 0.924, 1.102]), k: Color::Rgb([3.913, 2.453, 2.142]), alpha: 0.2 },
@@ -289,7 +289,7 @@ const fn fault(target: &'static str, file: &'static str, from: &'static str, to:
 }
 
 /// A lamp, a metal of alpha 0.2, paths of ten segments.
-fn metal() -> Scene {
+pub(super) fn metal() -> Scene {
     let mut scene = sample::room();
     let bsdf = Bsdf::Conductor { eta: Color::Grey(1.3), k: Color::Grey(2.5), alpha: 0.2 };
     let material = sample::material(&mut scene, "metal", bsdf);

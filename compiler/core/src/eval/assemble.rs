@@ -123,7 +123,7 @@ impl Interpreter<'_> {
                     let similar = nearest(other, FIELDS).map(|name| format!("did you mean `{name}`?"));
                     self.report(
                         Finding::error("unknown-field", name.span, format!("a scene has no field `{other}`"))
-                            .note(format!("known are {}", FIELDS.join(", ")))
+                            .note(format!("known: {}", FIELDS.join(", ")))
                             .maybe_help(similar),
                     )
                 }

@@ -371,7 +371,7 @@ impl Interpreter<'_> {
             let line = self.sources.position(later.file, later.start).line;
             finding = finding.also(later, format!("declared below, line {line}"));
         } else if wanted.is_some() {
-            finding = finding.note(format!("known are {}", known.join(", ")));
+            finding = finding.note(format!("known: {}", known.join(", ")));
         }
         let finding = finding.maybe_help(similar.map(|name| format!("did you mean `{name}`?")));
         self.findings.push(finding);

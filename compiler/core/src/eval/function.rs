@@ -94,7 +94,7 @@ impl Typed {
                 let similar = nearest(other, TYPES).map(|name| format!("did you mean `{name}`?"));
                 return interpreter.report(
                     Finding::error("unknown-type", ty.name.span, format!("there is no type `{other}`"))
-                        .note(format!("known are {}, and lists of them in brackets", TYPES.join(", ")))
+                        .note(format!("known: {}, and lists of them in brackets", TYPES.join(", ")))
                         .maybe_help(similar),
                 );
             }

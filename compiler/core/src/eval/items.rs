@@ -201,10 +201,10 @@ impl Interpreter<'_> {
             ),
             found => {
                 let word = kind.word();
-                self.report(
-                    Finding::error("type-mismatch", value.span, format!("`{word}` takes a mesh, not {}", found.kind()))
-                        .label(found.kind()),
-                )
+                let message = format!("`{word}` takes a mesh, not {}", found.kind());
+                let finding = Finding::error("type-mismatch", value.span, message).label(found.kind());
+                let group = matches!(found, Value::Group(_)) && kind == Kind::Shape;
+                self.report(if group { finding.help("write `instance name = ...` without `with`") } else { finding })
             }
         });
         let Some(with) = with else {

@@ -48,7 +48,7 @@ impl Choices {
             let known: Vec<String> = all().map(|(target, choice)| format!("{}.{}", target.name, choice.name)).collect();
             let help = match nearest(text, known.iter().map(String::as_str)) {
                 Some(similar) => format!("did you mean `{similar}`?"),
-                None => format!("known are {}", known.join(", ")),
+                None => format!("known: {}", known.join(", ")),
             };
             return Err(ChoiceError { message: format!("there is no option `{text}`"), help });
         };
@@ -81,6 +81,6 @@ mod tests {
         assert_eq!(error("gltf.instances").help, "did you mean `gltf.instancing`?");
         assert_eq!(error("x").message, "there is no option `x`");
         assert!(error("mitsuba-0.6.instancing").help.contains("gltf.instancing"));
-        assert_eq!(error("").help, "known are gltf.instancing, glb.instancing");
+        assert_eq!(error("").help, "known: gltf.instancing, glb.instancing");
     }
 }

@@ -1,4 +1,4 @@
-//! Colors: a type that can grow; nothing outside it assumes three channels.
+//! Colors: a gray, linear red, green and blue, or a spectrum.
 
 use super::{Meaning, Spectrum};
 

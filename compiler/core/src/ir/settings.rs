@@ -172,6 +172,15 @@ impl Sampler {
         }
     }
 
+    /// The same sampler with other numbers.
+    pub fn set(&mut self, new_samples: u32, new_seed: u32) {
+        match self {
+            Self::Independent { samples, seed } | Self::Sobol { samples, seed } => {
+                (*samples, *seed) = (new_samples, new_seed);
+            }
+        }
+    }
+
     /// Samples per pixel.
     pub fn samples(&self) -> u32 {
         match *self {

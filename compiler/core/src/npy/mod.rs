@@ -69,7 +69,7 @@ impl<'b> Array<'b> {
             (1..=3, _) => return Err(cut()),
             (version, _) => {
                 return Err(NpyError::new(format!("version {version} of the `.npy` format is not known"))
-                    .help("known are 1, 2 and 3: write the file by `numpy.save`"));
+                    .help("versions 1, 2 and 3 are read: write the file by `numpy.save`"));
             }
         };
         if length > HEADER_LIMIT {

@@ -372,7 +372,7 @@ impl<'t> Builder<'t> {
                 None => {
                     return self.refuse(
                         Finding::error("syntax-error", span, "a string contains an unknown escape")
-                            .help("known are `\\\"`, `\\\\`, `\\n` and `\\u{e9}`; write paths with `/`"),
+                            .help("known: `\\\"`, `\\\\`, `\\n` and `\\u{e9}`; write paths with `/`"),
                     );
                 }
             }

@@ -219,6 +219,13 @@ impl Seen<'_> {
                 return here(1, "a label ends with `:`", format!("write `{name}: ...`"));
             }
         }
+        if first == "param" && rest.starts_with('=') && !inside_brackets(before) && !before.contains(':') {
+            return here(
+                1,
+                "a parameter has a type",
+                format!("write `{before}: number = ...`, `: angle`, or another type"),
+            );
+        }
         if rest.starts_with(':') && !inside_brackets(before) && STARTERS.contains(&first) && first != "param" {
             return here(1, "a declaration has a `=`", format!("write `{before} = ...`"));
         }

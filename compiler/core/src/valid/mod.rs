@@ -49,6 +49,11 @@ impl Valid {
     pub fn into_inner(self) -> Scene {
         self.0
     }
+
+    /// Lets it be rendered with other samples, at least one, and another seed, which makes no scene invalid.
+    pub fn set_sampling(&mut self, samples: u32, seed: u32) {
+        self.0.sampler.set(samples.max(1), seed);
+    }
 }
 
 /// Checks everything an emitter relies on; all findings, not the first.

@@ -12,8 +12,8 @@ use ltsc_core::valid::Valid;
 use ltsc_render::image::{Image, Provenance, exr_bytes, read, reduce};
 use ltsc_render::run::{Driver, Rendered};
 
-use crate::compare::CompareError;
 use crate::compare::verdict::{self, Outcome, Tolerance, Verdict};
+use crate::compare::{CompareError, Images};
 use crate::disk::{not_ours, unwritable, write_whole};
 use crate::failure::{Exit, Failure};
 use crate::job::{Job, Runner, lacks, target_of};
@@ -80,8 +80,7 @@ impl Study<'_> {
             let Ok(runner) = Runner::find(driver, None, program.as_deref(), Some(self.timeout)) else {
                 let message = format!("{} is not there", driver.name);
                 if *needed {
-                    return Err(Failure::new(Exit::Environment, message)
-                        .help(format!("`ltsc renderers install {}`", driver.name)));
+                    return Err(Failure::new(Exit::Environment, message).help(driver.advice()));
                 }
                 watch.note(&format!("{message}: left out"));
                 continue;
@@ -109,7 +108,7 @@ impl Study<'_> {
         stated.sort_by(|one, other| other.share.total_cmp(&one.share));
         let more: f64 = stated.iter().map(|one| one.share).sum();
         let of = |made: &'_ Made| made.images.len();
-        let side = |images| verdict::Rendered { images, samples: f64::from(self.samples) };
+        let side = |images| verdict::Rendered { images: Images::Held(images), samples: f64::from(self.samples) };
         let (verdict, excused) = judged(side(&a.images), side(&b.images), self.tolerance, more).map_err(|error| {
             let (one, other) = (&a.side.name, &b.side.name);
             let counts = format!("{one} ({}) and {other} ({})", of(a), of(b));
@@ -263,7 +262,7 @@ mod tests {
         let flat = |value: f32| vec![Image::filled(16, 16, [value; 3]); 4];
         let of = |ratio: f32, more: f64| {
             let (a, b) = (flat(1.0), flat(ratio));
-            let side = |images| verdict::Rendered { images, samples: 16.0 };
+            let side = |images| verdict::Rendered { images: Images::Held(images), samples: 16.0 };
             let (verdict, excused) =
                 judged(side(&a), side(&b), Tolerance { tiles: 0.05, whole: 0.01 }, more).expect("a verdict");
             (verdict.outcome, excused)

@@ -1,5 +1,6 @@
 //! What agreed: a record in JSON, into which each run puts its rows, and the page made from it.
 
+use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
 use crate::compare::verdict::{Cell, Outcome, Verdict};
@@ -7,7 +8,7 @@ use ltsc_render::regular;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
-use crate::disk::Pages;
+use crate::disk::{Pages, probe_file};
 use crate::failure::{Exit, Failure};
 
 /// One side of a comparison.
@@ -76,6 +77,12 @@ impl Row {
             text.push_str(&format!("    {note}\n"));
         }
         text
+    }
+
+    /// The same in a line, without the ratios.
+    pub fn short(&self) -> String {
+        let text = self.text();
+        format!("{}\n", text.lines().next().unwrap_or_default())
     }
 
     /// The ratios of the channels with their standard errors.
@@ -180,7 +187,7 @@ pub fn beside(record: &Path) -> PathBuf {
 fn load(record: &Path) -> Result<Vec<Row>, Failure> {
     let text = match regular::read_text(record, regular::TEXT) {
         Ok(text) => text,
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Vec::new()),
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => return Ok(Vec::new()),
         Err(error) => return Err(Failure::new(Exit::Input, format!("{}: {error}", record.display()))),
     };
     #[derive(Deserialize)]
@@ -231,6 +238,7 @@ fn place_of(record: &Path) -> Result<(&Path, [String; 2]), Failure> {
 /// Refuses what [`record`] would refuse, before anything is rendered for it.
 pub fn check(record: &Path, force: bool) -> Result<(), Failure> {
     let (folder, [_, page]) = place_of(record)?;
+    probe_file(record)?;
     load(record)?;
     if is_as_recorded(record) { Ok(()) } else { Pages::new(folder, BY).refuse(&page, force) }
 }

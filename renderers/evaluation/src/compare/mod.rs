@@ -1,6 +1,8 @@
 //! Compares two images of the same scene. A is the reference: ratios are B/A, differences B - A.
 
+mod images;
 pub mod metrics;
+pub mod moments;
 mod pair;
 mod picture;
 mod shift;
@@ -14,6 +16,7 @@ use serde::{Deserialize, Serialize};
 
 use ltsc_render::image::Image;
 
+pub use images::Images;
 pub use metrics::{METRICS, Metric};
 pub use pair::{Pair, Value};
 pub use picture::{difference_png, difference_rgb8, png, relative_rgb8, shown_rgb8};
@@ -103,6 +106,11 @@ pub enum CompareError {
     },
     /// Nothing is left to compare.
     Empty,
+    /// An image cannot be read.
+    Unreadable {
+        /// Why.
+        message: String,
+    },
 }
 
 impl CompareError {
@@ -117,6 +125,7 @@ impl CompareError {
             }
             Self::Few { .. } => "give 4 images or more with different seeds; 8 tell their noise well".to_owned(),
             Self::Empty => "look at the images: one of them holds no finite pixel".to_owned(),
+            Self::Unreadable { .. } => "render it again".to_owned(),
         }
     }
 }
@@ -132,6 +141,7 @@ impl fmt::Display for CompareError {
             }
             Self::Few { images } => write!(f, "{images} images tell too little of their noise"),
             Self::Empty => write!(f, "the images have no pixel in common that could be compared"),
+            Self::Unreadable { message } => f.write_str(message),
         }
     }
 }

@@ -8,8 +8,9 @@ use std::path::{Path, PathBuf};
 use ltsc_render::guard::{self, Held};
 use ltsc_render::regular;
 
-use super::pages::not_ours;
-use crate::failure::{Exit, Failure};
+use super::pages::{is_absent, not_ours};
+use super::place::{probe_file, unwritable};
+use crate::failure::Failure;
 
 /// What the last line begins with; the hash of all that is above follows.
 const END: &str = "ltsc: the log ends here, BLAKE3 ";
@@ -26,9 +27,9 @@ pub struct Log {
 impl Log {
     /// Takes the place of a log at `path`. Another file than a log as ltsc left it is refused, unless `force`.
     pub fn begin(path: &Path, force: bool) -> Result<Self, Failure> {
-        let failed = |error: io::Error| Failure::new(Exit::Environment, format!("the log {}: {error}", path.display()));
-        check(path, force)?;
+        refuse(path, force)?;
         let made = path.to_path_buf();
+        fs::create_dir_all(path.parent().unwrap_or(Path::new("."))).map_err(|error| unwritable(path, &error))?;
         let make = || {
             match fs::remove_file(path) {
                 Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
@@ -36,17 +37,21 @@ impl Log {
             }
             fs::File::create_new(path).map(|_| ())
         };
-        let ((), held) = guard::hold(make, |()| move || end(&made)).map_err(failed)?;
+        let ((), held) = guard::hold(make, |()| move || end(&made)).map_err(|error| unwritable(path, &error))?;
         Ok(Self { path: path.to_path_buf(), _held: held })
     }
 }
 
-/// Refuses a file that [`Log::begin`] refuses.
+/// Refuses a place or a file that [`Log::begin`] refuses, before long work is done for it.
 pub fn check(path: &Path, force: bool) -> Result<(), Failure> {
+    probe_file(path)?;
+    refuse(path, force)
+}
+
+fn refuse(path: &Path, force: bool) -> Result<(), Failure> {
     match fs::symlink_metadata(path) {
-        Ok(meta) if meta.is_dir() => Err(Failure::new(Exit::Usage, format!("{} is a folder", path.display()))),
         Ok(meta) if force || meta.is_file() && is_whole(path) => Ok(()),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(()),
+        Err(error) if is_absent(&error) => Ok(()),
         _ => Err(not_ours(&[path.to_path_buf()])),
     }
 }
@@ -55,6 +60,16 @@ impl Drop for Log {
     fn drop(&mut self) {
         end(&self.path);
     }
+}
+
+/// Adds to a log that is being written.
+///
+/// # Errors
+/// If it cannot be written.
+pub fn append(path: &Path, write: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut out = io::BufWriter::new(fs::File::options().append(true).open(path)?);
+    write(&mut out)?;
+    out.flush()
 }
 
 /// Adds the last line.

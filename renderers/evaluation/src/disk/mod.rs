@@ -6,6 +6,7 @@ mod log;
 mod manifest;
 mod notice;
 mod pages;
+mod place;
 mod read;
 mod rewrite;
 mod sink;
@@ -13,11 +14,12 @@ mod staging;
 #[cfg(test)]
 mod tests;
 
-pub use log::{Log, check as check_log};
+pub use log::{Log, append, check as check_log};
 pub use manifest::{MANIFEST, Manifest};
 pub use notice::show_by;
 pub use pages::{Done, Pages, not_ours};
+pub use place::{no_temporary, probe, probe_file, unwritable};
 pub use read::{Changed, DiskFiles};
 pub use rewrite::rewrite;
-pub use sink::{Changes, DiskSink, unwritable};
+pub use sink::{Changes, DiskSink};
 pub use staging::{STAGING, Staging, left_over, write_whole};

@@ -85,9 +85,15 @@ fn hash(bytes: &[u8]) -> String {
     hasher.finalize().to_hex().to_string()
 }
 
+/// Whether a file is not there, and cannot be.
+pub(super) fn is_absent(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory | io::ErrorKind::InvalidFilename)
+}
+
 fn there(path: &Path) -> There {
     match std::fs::symlink_metadata(path) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => There::Nothing,
+        // What cannot be there is refused when it is to be written.
+        Err(error) if is_absent(&error) => There::Nothing,
         Ok(meta) if meta.is_file() => {
             regular::read(path, LARGEST).map_or(There::Other, |bytes| There::Regular(hash(&bytes)))
         }

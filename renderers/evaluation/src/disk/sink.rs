@@ -13,7 +13,6 @@ use ltsc_render::{guard, regular};
 use super::manifest::{MANIFEST, Manifest};
 use super::read::{beside, bytes_of};
 use super::staging::{Staging, files_below};
-use crate::failure::{Exit, Failure};
 
 /// What happened, or with `check` would happen, to the files of a folder.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -378,19 +377,6 @@ fn link(from: &Path, to: &Path) -> io::Result<()> {
     }
     let message = format!("{} cannot be kept in a folder that is written anew", from.display());
     Err(io::Error::new(io::ErrorKind::InvalidInput, message))
-}
-
-/// Why an output folder cannot be written, and the exit code that it leads to.
-pub fn unwritable(folder: &Path, error: &io::Error) -> Failure {
-    let failure = Failure::new(Exit::Environment, format!("{}: {error}", folder.display()));
-    match error.kind() {
-        io::ErrorKind::AlreadyExists => Failure { exit: Exit::Usage, ..failure }
-            .help("choose another folder with `-o`, or add `--force` to write into it"),
-        io::ErrorKind::NotADirectory | io::ErrorKind::InvalidInput => {
-            Failure { exit: Exit::Usage, ..failure }.help("choose another folder with `-o`")
-        }
-        _ => failure,
-    }
 }
 
 /// A folder inside the folder of a [`DiskSink`].

@@ -14,9 +14,10 @@ use crate::args::{Doc, DocFormat, Format};
 use crate::output::{Exit, Failure};
 use crate::project::Project;
 use crate::terminal;
-use ltsc_evaluation::disk::Pages;
+use ltsc_evaluation::disk::{Pages, probe};
 
-use super::shared::{CheckedFile, all_files_of, check, report};
+use super::said::plural;
+use super::shared::{CheckedFile, Shown, all_files_of, check, report_as};
 
 pub fn run(command: &Doc) -> Result<Exit, Failure> {
     let groups = all_files_of(&command.paths, &command.findings())?;
@@ -28,7 +29,11 @@ pub fn run(command: &Doc) -> Result<Exit, Failure> {
         all.extend(check(project, files, &command.findings(), Overrides::default(), &[])?);
         found.extend(files.iter().map(|file| (project, file)));
     }
-    let (exit, _) = report(&all, Vec::new(), Format::Human, false, true);
+    let (exit, counts) = report_as(&all, Vec::new(), None, Format::Human, false, Shown::Refusals);
+    if counts.warnings > 0 {
+        let paths: String = command.paths.iter().map(|path| format!(" {}", path.display())).collect();
+        terminal::say(&format!("{}: `ltsc lint{paths}` shows them", plural(counts.warnings, "warning")));
+    }
     if exit != Exit::Done {
         terminal::error("nothing was written");
         return Ok(exit);
@@ -46,6 +51,7 @@ pub fn run(command: &Doc) -> Result<Exit, Failure> {
         return Err(Failure::new(Exit::Usage, "there is no scene among these files").help("libraries have no pages"));
     }
     if command.render {
+        probe(&output)?;
         pictures::render_all(command, &scenes, &output)?;
     }
     let pictures: BTreeMap<&str, Pictures> =

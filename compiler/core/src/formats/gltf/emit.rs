@@ -7,13 +7,13 @@ use super::buffer::Layout;
 use super::container::Plan;
 use super::document as doc;
 use super::instancing;
-use super::names;
+use super::names::{self, textures};
 use super::nodes::{Made, light};
 use crate::files::Sink;
+use crate::formats::Emission;
 use crate::formats::shared::camera;
 use crate::formats::shared::names::file_stem;
 use crate::formats::shared::text::{self, Head};
-use crate::formats::{self, Emission};
 use crate::ir::{Affine, Axes, Camera, Film, Filter, Instance, Sampler, Scene, Texture};
 
 /// The choice of both targets by which instances become one node.
@@ -44,12 +44,6 @@ pub fn container(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()>
     let plan = Plan::new(text.len() as u64, layout.bytes)?;
     let path = format!("{}.glb", file_stem(&emission.scene.name));
     sink.file(&path, &mut |out| plan.write(&text, |out| layout.write(out), out))
-}
-
-/// The textures that glTF can hold, each with its file and its index in the document.
-pub fn textures(scene: &Scene) -> impl Iterator<Item = ((&Texture, String), usize)> {
-    let files = formats::texture_files(scene);
-    scene.textures.values().zip(files).filter(|(texture, _)| names::reads(texture)).zip(0..)
 }
 
 /// Where the bytes of a document lie.

@@ -2,7 +2,8 @@
 
 use crate::formats::shared::camera::across;
 use crate::formats::shared::fresnel;
-use crate::ir::{Affine, Color, Encoding, ImageFormat, Texture, Vec3, cross, normalized};
+use crate::formats::texture_files;
+use crate::ir::{Affine, Color, Encoding, ImageFormat, Scene, Texture, Vec3, cross, normalized};
 
 /// `componentType` of 32-bit floats.
 pub const FLOAT: u32 = 5126;
@@ -93,6 +94,12 @@ pub fn matrix(map: &Affine) -> [f64; 16] {
     }
     entries[15] = 1.0;
     entries
+}
+
+/// The textures that glTF can hold, each with its file and its index in the document.
+pub fn textures(scene: &Scene) -> impl Iterator<Item = ((&Texture, String), usize)> {
+    let files = texture_files(scene);
+    scene.textures.values().zip(files).filter(|(texture, _)| reads(texture)).zip(0..)
 }
 
 #[cfg(test)]

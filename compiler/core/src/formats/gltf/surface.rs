@@ -2,8 +2,7 @@
 
 use super::buffer::bounds;
 use super::document as doc;
-use super::emit::textures;
-use super::names;
+use super::names::{self, textures};
 use crate::formats;
 use crate::formats::shared::coat::Coat;
 use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Emission as Light, Material, Mesh, Scene};

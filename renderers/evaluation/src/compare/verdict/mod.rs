@@ -15,9 +15,9 @@ mod side;
 
 use serde::{Deserialize, Serialize};
 
-use super::CompareError;
-use ltsc_render::image::{Image, finite};
-use side::{Estimate, Noise, Side};
+use super::moments::Moments;
+use super::{CompareError, Images};
+use side::{Estimate, Noise, Place, Side};
 
 /// Tiles along each side, and the coarser cuts.
 const GRIDS: [usize; 4] = [8, 4, 2, 1];
@@ -48,7 +48,7 @@ const FARTHEST: f64 = 1e4;
 #[derive(Clone, Copy)]
 pub struct Rendered<'i> {
     /// The images; a single one is taken to be free of noise.
-    pub images: &'i [Image],
+    pub images: Images<'i>,
     /// Samples per pixel of each.
     pub samples: f64,
 }
@@ -221,59 +221,43 @@ impl Test {
 /// Refuses images of different sizes, an A without images or without light, and a B of fewer than 3 images, which tell too little of
 /// their noise (4 and more are better, 8 recommended).
 pub fn judge(a: Rendered<'_>, b: Rendered<'_>, tolerance: Tolerance) -> Result<Verdict, CompareError> {
-    let first = a.images.first().ok_or(CompareError::Empty)?;
-    for side in [a, b] {
-        let images = side.images.len();
-        // One image of A is a reference without noise.
-        if images < 3 && !(images == 1 && std::ptr::eq(side.images, a.images)) {
-            return Err(CompareError::Few { images });
-        }
-    }
-    if first.pixels.is_empty() {
+    let counts = (a.images.count(), b.images.count());
+    // One image of A is a reference without noise.
+    if counts.0 == 0 {
         return Err(CompareError::Empty);
     }
-    let size = (first.width, first.height);
-    for other in a.images.iter().chain(b.images) {
-        if (other.width, other.height) != size {
-            return Err(CompareError::Size { a: size, b: (other.width, other.height) });
-        }
+    if let Some(images) = [counts.0, counts.1]
+        .into_iter()
+        .enumerate()
+        .find_map(|(at, images)| (images < 3 && !(images == 1 && at == 0)).then_some(images))
+    {
+        return Err(CompareError::Few { images });
     }
-    let mask = mask(a.images, b.images);
+    let moments = [a.images.moments()?, b.images.moments()?];
+    let [of_a, of_b] = &moments;
+    if (of_a.width, of_a.height) != (of_b.width, of_b.height) {
+        return Err(CompareError::Size { a: (of_a.width, of_a.height), b: (of_b.width, of_b.height) });
+    }
+    let mask = mask(of_a, of_b);
     let masked = mask.iter().filter(|out| **out).count();
-    let grids = GRIDS.map(|grid| cells(size, grid, &mask));
-    let [tiles, quarters, _, whole] = &grids;
-    if whole[0].is_empty() {
+    if masked == mask.len() {
         return Err(CompareError::Empty);
     }
-    let sides = [Side::of(a.images, a.samples), Side::of(b.images, b.samples)];
-    let noise = [0, 1].map(|at: usize| sides[at].noise(tiles, quarters, &whole[0]));
-    let tests = tests(&grids, [a, b], &sides, noise, tolerance)?;
+    let sides = [Side::of(of_a, a.images, &mask, a.samples)?, Side::of(of_b, b.images, &mask, b.samples)?];
+    drop(moments);
+    let noise = [0, 1].map(|at: usize| sides[at].noise());
+    let tests = tests(&sides, noise, tolerance)?;
     let count = tests.len() as f64;
     let bound = normal::exceeded((1.0 - (1.0 - FALSE_ALARM).powf(1.0 / count)) / 2.0);
-    Ok(verdict(
-        tests,
-        bound,
-        tolerance,
-        (a.images.len(), b.images.len()),
-        noise,
-        masked,
-        b.samples * b.images.len() as f64,
-    ))
+    Ok(verdict(tests, bound, tolerance, counts, noise, masked, b.samples * counts.1 as f64))
 }
 
 /// All cells in all channels, the finest grid first.
-fn tests(
-    grids: &[Vec<Vec<usize>>; 4],
-    [a, b]: [Rendered<'_>; 2],
-    sides: &[Side; 2],
-    noise: [Noise; 2],
-    tolerance: Tolerance,
-) -> Result<Vec<Test>, CompareError> {
-    let of = |cell: &[usize], channel: usize, tile: bool| {
-        let one = sides[0].estimate(a.images, cell, channel, noise[0], tile);
-        (one, sides[1].estimate(b.images, cell, channel, noise[1], tile))
+fn tests(sides: &[Side; 2], noise: [Noise; 2], tolerance: Tolerance) -> Result<Vec<Test>, CompareError> {
+    let of = |cell: Place, channel: usize| {
+        (sides[0].estimate(cell, channel, noise[0]), sides[1].estimate(cell, channel, noise[1]))
     };
-    let whole = [0, 1, 2].map(|channel| of(&grids[3][0], channel, false));
+    let whole = [0, 1, 2].map(|channel| of(Place { grid: 1, index: 0 }, channel));
     let least = whole.map(|(a, b)| a.mean.min(b.mean));
     let light = least.iter().sum::<f64>() / 3.0;
     if whole.iter().all(|(a, _)| a.mean <= 0.0) {
@@ -283,22 +267,24 @@ fn tests(
     let shares: f64 =
         sides.iter().map(|side| if side.is_exact() { 0.0 } else { (side.count * side.samples).powi(-2) }).sum();
     let mut all = Vec::new();
-    for (grid, cells) in GRIDS.iter().zip(grids) {
-        let tile = *grid == GRIDS[0];
+    for grid in GRIDS {
+        let tile = grid == GRIDS[0];
+        let sizes: Vec<f64> = (0..grid * grid).map(|index| sides[0].size(Place { grid, index })).collect();
         for (channel, least) in least.into_iter().enumerate() {
-            let estimates: Vec<Option<(Estimate, Estimate)>> =
-                cells.iter().map(|cell| (!cell.is_empty()).then(|| of(cell, channel, tile))).collect();
+            let estimates: Vec<Option<(Estimate, Estimate)>> = (0..grid * grid)
+                .map(|index| (sizes[index] > 0.0).then(|| of(Place { grid, index }, channel)))
+                .collect();
             let event = |at: usize| estimates[at].map_or(0.0, |(a, b)| a.event.max(b.event));
-            for (at, (cell, estimate)) in cells.iter().zip(&estimates).enumerate() {
+            for (at, estimate) in estimates.iter().enumerate() {
                 let Some((a, b)) = *estimate else { continue };
                 let own = event(at);
-                let around = if tile { own.max(fourth_around(at, *grid, &event)) } else { own };
-                let missed = |event: f64| (event / cell.len() as f64).powi(2) * shares;
+                let around = if tile { own.max(fourth_around(at, grid, &event)) } else { own };
+                let missed = |event: f64| (event / sizes[at]).powi(2) * shares;
                 let base = if least < FAINT * light { light } else { least };
                 let scale = a.mean.min(b.mean).max(DARK * base);
                 let variance = a.variance + b.variance;
                 let place = Cell {
-                    grid: *grid,
+                    grid,
                     at: (at % grid, at / grid),
                     channel,
                     ratio: (a.mean > 0.0).then(|| b.mean / a.mean),
@@ -309,7 +295,7 @@ fn tests(
                     a,
                     b,
                     scale,
-                    tolerance: if *grid == 1 { tolerance.whole } else { tolerance.tiles },
+                    tolerance: if grid == 1 { tolerance.whole } else { tolerance.tiles },
                     spread: (variance + missed(own), variance + missed(around)),
                 };
                 test.cell.z = test.deviate();
@@ -428,28 +414,14 @@ fn fourth_around(at: usize, grid: usize, value: &impl Fn(usize) -> f64) -> f64 {
     around[3]
 }
 
-/// The pixels of each cell, without those that are left out. Images with fewer pixels than cells have empty ones.
-fn cells((width, height): (usize, usize), grid: usize, mask: &[bool]) -> Vec<Vec<usize>> {
-    let range = |at: usize, size: usize| at * size / grid..(at + 1) * size / grid;
-    let cell = |at: usize| {
-        let rows = range(at / grid, height);
-        rows.flat_map(|y| range(at % grid, width).map(move |x| y * width + x)).filter(|at| !mask[*at]).collect()
-    };
-    (0..grid * grid).map(cell).collect()
-}
-
 /// Which pixels are left out: those that are not finite in some image, and glare of the reference.
-fn mask(a: &[Image], b: &[Image]) -> Vec<bool> {
-    let mut out: Vec<bool> =
-        (0..a[0].pixels.len()).map(|at| a.iter().chain(b).any(|image| !finite(&image.pixels[at]))).collect();
-    let light = |at: usize| {
-        let sum: f64 = a.iter().map(|image| image.pixels[at].iter().map(|value| f64::from(*value)).sum::<f64>()).sum();
-        sum / a.len() as f64
-    };
-    let kept: Vec<(usize, f64)> = (0..out.len()).filter(|at| !out[*at]).map(|at| (at, light(at))).collect();
-    let mean = kept.iter().map(|(_, light)| light).sum::<f64>() / kept.len().max(1) as f64;
-    for (at, light) in kept {
-        out[at] = light > GLARE * mean;
+fn mask(a: &Moments, b: &Moments) -> Vec<bool> {
+    let mut out: Vec<bool> = (0..a.width * a.height).map(|at| a.is_bad(at) || b.is_bad(at)).collect();
+    let light = |at: usize| a.mean(at).iter().sum::<f64>();
+    let kept = out.iter().filter(|out| !**out).count();
+    let mean = (0..out.len()).filter(|at| !out[*at]).map(light).sum::<f64>() / kept.max(1) as f64;
+    for (at, out) in out.iter_mut().enumerate().filter(|(_, out)| !**out) {
+        *out = light(at) > GLARE * mean;
     }
     out
 }

@@ -1,27 +1,63 @@
-//! What several images of one renderer tell of their mean and of its error: per pixel, and per cell of a grid.
+//! What several images of one renderer tell of their mean and of its error, per cell of a grid.
+//!
+//! All that a cell needs is a sum over its pixels, or a largest value, so the tiles of the finest grid are gathered once, and coarser
+//! cells are put together from them.
 
-use ltsc_render::image::Image;
+use super::super::moments::{Moments, PARTS};
+use super::super::{CompareError, Images};
+use super::GRIDS;
 
-/// Red, green, blue, and the mean of the three, by which the correlation of pixels is judged.
-const PARTS: usize = 4;
+/// Tiles along each side of the finest grid.
+const FINE: usize = GRIDS[0];
 
-/// A pixel over all images of a side.
+/// Sums over the pixels of a cell, of the channels or with grey at the end.
 #[derive(Clone, Copy, Default)]
-struct Pixel {
-    mean: [f64; PARTS],
+struct Sums {
+    pixels: f64,
+    mean: [f64; 3],
     /// Variance of one image.
     variance: [f64; PARTS],
-    /// The sum of the cubes of the deviations from the mean.
+    /// The squares of the variances.
+    squares: [f64; 3],
     cubes: [f64; 3],
-    /// The largest value above the mean.
+    /// The largest value above the mean of its pixel.
     event: [f64; 3],
+}
+
+impl Sums {
+    fn add(&mut self, other: &Self) {
+        self.pixels += other.pixels;
+        for c in 0..3 {
+            self.mean[c] += other.mean[c];
+            self.squares[c] += other.squares[c];
+            self.cubes[c] += other.cubes[c];
+            self.event[c] = self.event[c].max(other.event[c]);
+        }
+        (0..PARTS).for_each(|c| self.variance[c] += other.variance[c]);
+    }
+}
+
+/// A cell of a grid: one of `grid` times `grid`, counted row by row.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Place {
+    pub grid: usize,
+    pub index: usize,
+}
+
+impl Place {
+    /// The tiles of the finest grid that it consists of.
+    fn tiles(self) -> impl Iterator<Item = usize> {
+        let side = FINE / self.grid;
+        let (column, row) = (self.index % self.grid * side, self.index / self.grid * side);
+        (row..row + side).flat_map(move |y| (column..column + side).map(move |x| y * FINE + x))
+    }
 }
 
 /// All images of one renderer.
 pub(super) struct Side {
-    pixels: Vec<Pixel>,
-    /// The mean of red, green and blue in each pixel of each image.
-    grey: Vec<Vec<f32>>,
+    tiles: Vec<Sums>,
+    /// Of each image the sums over the tiles.
+    images: Vec<Vec<[f64; PARTS]>>,
     /// How many images there are.
     pub count: f64,
     /// Samples per pixel of each.
@@ -54,36 +90,37 @@ pub(super) struct Noise {
     pub together: bool,
 }
 
+/// The tile of the finest grid that each column, or row, lies in.
+fn tile_of(size: usize) -> Vec<usize> {
+    (0..FINE).flat_map(|at| std::iter::repeat_n(at, (at + 1) * size / FINE - at * size / FINE)).collect()
+}
+
 impl Side {
-    /// Takes the statistics of images of one size; `samples` are those of one image.
-    pub fn of(images: &[Image], samples: f64) -> Self {
-        let count = images.len() as f64;
-        let size = images.first().map_or(0, |image| image.pixels.len());
-        let part = |image: &Image, at: usize| {
-            let [r, g, b] = image.pixels[at].map(f64::from);
-            [r, g, b, (r + g + b) / 3.0]
-        };
-        let pixel = |at: usize| {
-            let mut pixel = Pixel::default();
-            for image in images {
-                let value = part(image, at);
-                (0..PARTS).for_each(|c| pixel.mean[c] += value[c] / count);
+    /// Takes the statistics of images of one size; `samples` are those of one image, and pixels in the `mask` are left out.
+    pub fn of(moments: &Moments, images: Images<'_>, mask: &[bool], samples: f64) -> Result<Self, CompareError> {
+        let (columns, rows) = (tile_of(moments.width), tile_of(moments.height));
+        let tile = |at: usize| rows[at / moments.width] * FINE + columns[at % moments.width];
+        let mut tiles = vec![Sums::default(); FINE * FINE];
+        for at in (0..mask.len()).filter(|at| !mask[*at]) {
+            let variance = moments.variance(at);
+            let (cubes, event) = moments.extremes(at);
+            let squares = [0, 1, 2].map(|c: usize| variance[c] * variance[c]);
+            tiles[tile(at)].add(&Sums { pixels: 1.0, mean: moments.mean(at), variance, squares, cubes, event });
+        }
+        let count = images.count();
+        let mut sums = Vec::with_capacity(count);
+        // One image tells nothing of its noise.
+        for at in 0..if count > 1 { count } else { 0 } {
+            let image = images.get(at)?;
+            let mut of = vec![[0.0; PARTS]; FINE * FINE];
+            for at in (0..mask.len()).filter(|at| !mask[*at]) {
+                let [r, g, b] = image.pixels[at].map(f64::from);
+                let sum = &mut of[tile(at)];
+                [r, g, b, (r + g + b) / 3.0].into_iter().zip(sum).for_each(|(value, sum)| *sum += value);
             }
-            for image in images {
-                let value = part(image, at);
-                for (c, value) in value.into_iter().enumerate() {
-                    let off = value - pixel.mean[c];
-                    pixel.variance[c] += off * off / (count - 1.0).max(1.0);
-                    if c < 3 {
-                        pixel.cubes[c] += off * off * off;
-                        pixel.event[c] = pixel.event[c].max(off);
-                    }
-                }
-            }
-            pixel
-        };
-        let grey = images.iter().map(|image| (0..size).map(|at| part(image, at)[3] as f32).collect());
-        Self { pixels: (0..size).map(pixel).collect(), grey: grey.collect(), count, samples }
+            sums.push(of);
+        }
+        Ok(Self { tiles, images: sums, count: count as f64, samples })
     }
 
     /// Whether there is one image only, which is taken to be free of noise.
@@ -91,36 +128,39 @@ impl Side {
         self.count < 2.0
     }
 
+    fn sums(&self, cell: Place) -> Sums {
+        let mut sums = Sums::default();
+        cell.tiles().for_each(|tile| sums.add(&self.tiles[tile]));
+        sums
+    }
+
+    /// How many pixels a cell has, without those that are left out.
+    pub fn size(&self, cell: Place) -> f64 {
+        cell.tiles().map(|tile| self.tiles[tile].pixels).sum()
+    }
+
     /// The variance of a cell's mean, as independent pixels have it (`part` 3 is grey).
-    fn by_pixels(&self, cell: &[usize], part: usize) -> f64 {
-        let sum: f64 = cell.iter().map(|at| self.pixels[*at].variance[part]).sum();
-        sum / (self.count * (cell.len() as f64).powi(2))
+    fn by_pixels(&self, cell: Place, part: usize) -> f64 {
+        let sums = self.sums(cell);
+        sums.variance[part] / (self.count * sums.pixels * sums.pixels)
     }
 
-    /// The variance of a cell's grey mean, as the means of the images have it.
-    fn by_images(&self, cell: &[usize]) -> f64 {
-        let size = cell.len() as f64;
-        let means = self.grey.iter().map(|grey| cell.iter().map(|at| f64::from(grey[*at])).sum::<f64>() / size);
-        let means: Vec<f64> = means.collect();
-        let mean = means.iter().sum::<f64>() / self.count;
-        means.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / ((self.count - 1.0).max(1.0) * self.count)
-    }
-
-    /// The same of one channel of this side's images.
-    fn by_images_of(&self, images: &[Image], cell: &[usize], channel: usize) -> f64 {
-        let size = cell.len() as f64;
-        let of = |image: &Image| cell.iter().map(|at| f64::from(image.pixels[*at][channel])).sum::<f64>() / size;
-        let means: Vec<f64> = images.iter().map(of).collect();
+    /// The same as the means of the images have it.
+    fn by_images(&self, cell: Place, part: usize) -> f64 {
+        let size = self.size(cell);
+        let of = |image: &Vec<[f64; PARTS]>| cell.tiles().map(|tile| image[tile][part]).sum::<f64>() / size;
+        let means: Vec<f64> = self.images.iter().map(of).collect();
         let mean = means.iter().sum::<f64>() / self.count;
         means.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / ((self.count - 1.0).max(1.0) * self.count)
     }
 
     /// How the errors hang together, from the tiles, the larger cells, and the whole image.
-    pub fn noise(&self, tiles: &[Vec<usize>], cells: &[Vec<usize>], whole: &[usize]) -> Noise {
-        let factor = |cells: &[Vec<usize>]| {
-            let ratios = cells.iter().filter(|cell| !cell.is_empty()).filter_map(|cell| {
+    pub fn noise(&self) -> Noise {
+        let factor = |grid: usize| {
+            let cells = (0..grid * grid).map(|index| Place { grid, index }).filter(|cell| self.size(*cell) > 0.0);
+            let ratios = cells.filter_map(|cell| {
                 let independent = self.by_pixels(cell, 3);
-                (independent > 0.0).then(|| self.by_images(cell) / independent)
+                (independent > 0.0).then(|| self.by_images(cell, 3) / independent)
             });
             let ratios: Vec<f64> = ratios.collect();
             if ratios.is_empty() { 1.0 } else { ratios.iter().sum::<f64>() / ratios.len() as f64 }
@@ -128,38 +168,34 @@ impl Side {
         if self.is_exact() {
             return Noise { tiles: 1.0, cells: 1.0, together: false };
         }
-        let small = factor(tiles).max(1.0);
-        let large = factor(cells).max(small);
+        let whole = Place { grid: 1, index: 0 };
+        let small = factor(FINE).max(1.0);
+        let large = factor(GRIDS[1]).max(small);
         let limit = 1.3 * quantile95(self.count - 1.0) * small * self.by_pixels(whole, 3);
-        Noise { tiles: small, cells: large, together: self.by_images(whole) > limit }
+        Noise { tiles: small, cells: large, together: self.by_images(whole, 3) > limit }
     }
 
-    /// A cell in one channel; `tile` where it belongs to the finest grid.
-    pub fn estimate(&self, images: &[Image], cell: &[usize], channel: usize, noise: Noise, tile: bool) -> Estimate {
-        let size = cell.len() as f64;
-        let (mut mean, mut variance, mut squares, mut cubes, mut event) = (0.0, 0.0, 0.0, 0.0, 0.0_f64);
-        for pixel in cell.iter().map(|at| &self.pixels[*at]) {
-            mean += pixel.mean[channel] / size;
-            variance += pixel.variance[channel];
-            squares += pixel.variance[channel].powi(2);
-            cubes += pixel.cubes[channel];
-            event = event.max(pixel.event[channel]);
-        }
+    /// A cell in one channel.
+    pub fn estimate(&self, cell: Place, channel: usize, noise: Noise) -> Estimate {
+        let sums = self.sums(cell);
+        let size = sums.pixels;
+        let mean = sums.mean[channel] / size;
         if self.is_exact() {
             return Estimate { mean, freedom: f64::INFINITY, ..Estimate::default() };
         }
-        let phi = if tile { noise.tiles } else { noise.cells };
+        let (variance, squares) = (sums.variance[channel], sums.squares[channel]);
+        let phi = if cell.grid == FINE { noise.tiles } else { noise.cells };
         let k = self.count;
         let effective = if squares > 0.0 { (k - 1.0) * variance * variance / squares / phi } else { f64::INFINITY };
         let mut of = Estimate {
             mean,
             variance: phi * variance / (k * size * size),
             freedom: effective.max(k - 1.0),
-            third: cubes * k / ((k - 1.0) * (k - 2.0).max(1.0)) / (size.powi(3) * k * k),
-            event: self.samples * event,
+            third: sums.cubes[channel] * k / ((k - 1.0) * (k - 2.0).max(1.0)) / (size.powi(3) * k * k),
+            event: self.samples * sums.event[channel],
         };
         if noise.together {
-            of.variance = of.variance.max(self.by_images_of(images, cell, channel));
+            of.variance = of.variance.max(self.by_images(cell, channel));
             of.freedom = k - 1.0;
         }
         of
@@ -174,6 +210,8 @@ fn quantile95(freedom: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use ltsc_render::image::Image;
+
     use super::*;
 
     #[test]
@@ -188,17 +226,31 @@ mod tests {
         // Two pixels over three images: 1, 2, 6 and 3, 3, 3.
         let image = |value: f32| Image { width: 2, height: 1, pixels: vec![[value; 3], [3.0; 3]] };
         let images = [image(1.0), image(2.0), image(6.0)];
-        let side = Side::of(&images, 4.0);
-        let cell = vec![0, 1];
+        let mut moments = Moments::new(2, 1);
+        images.iter().for_each(|image| moments.add(image).expect("one size"));
+        let side = Side::of(&moments, Images::Held(&images), &[false; 2], 4.0).expect("images");
         let noise = Noise { tiles: 1.0, cells: 1.0, together: false };
-        let of = side.estimate(&images, &cell, 0, noise, true);
+        let of = side.estimate(Place { grid: 1, index: 0 }, 0, noise);
         assert_eq!(of.mean, 3.0);
         // The first has a variance of 7; that of the mean of two pixels over three images is 7 / (3 * 4).
-        assert!((of.variance - 7.0 / 12.0).abs() < 1e-12);
+        assert!((of.variance - 7.0 / 12.0).abs() < 1e-6);
         // One pixel carries all: two degrees of freedom.
-        assert_eq!(of.freedom, 2.0);
+        assert!((of.freedom - 2.0).abs() < 1e-9);
         assert_eq!(of.event, 12.0);
         // Cubes -8, -1, 27 give 18; 18 * 3 / (2 * 1) / (8 * 9).
-        assert!((of.third - 0.375).abs() < 1e-12, "{}", of.third);
+        assert!((of.third - 0.375).abs() < 1e-6, "{}", of.third);
+    }
+
+    #[test]
+    fn cells_are_made_of_all_tiles_once() {
+        for grid in GRIDS {
+            let mut seen: Vec<usize> = (0..grid * grid).flat_map(|index| Place { grid, index }.tiles()).collect();
+            seen.sort_unstable();
+            assert_eq!(seen, (0..FINE * FINE).collect::<Vec<_>>());
+        }
+        assert_eq!(Place { grid: 4, index: 5 }.tiles().collect::<Vec<_>>(), [18, 19, 26, 27]);
+        // Images with fewer pixels than tiles have empty ones.
+        assert_eq!(tile_of(2), [3, 7]);
+        assert_eq!(tile_of(16).len(), 16);
     }
 }

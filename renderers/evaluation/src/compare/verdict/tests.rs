@@ -1,5 +1,7 @@
 //! Planted differences, channel by channel and tile by tile, under small and large noise; false alarms and false agreements counted.
 
+use ltsc_render::image::Image;
+
 use super::*;
 
 /// Random numbers from 0 to 1 (xorshift).
@@ -36,7 +38,7 @@ fn even(count: usize, noise: f64, seed: u64) -> Vec<Image> {
 }
 
 fn judged(a: &[Image], b: &[Image]) -> Verdict {
-    let side = |images| Rendered { images, samples: 16.0 };
+    let side = |images| Rendered { images: Images::Held(images), samples: 16.0 };
     judge(side(a), side(b), Tolerance::default()).expect("comparable")
 }
 
@@ -202,7 +204,8 @@ fn glare_and_what_is_no_number_is_left_out() {
 #[test]
 fn what_tells_no_noise_is_refused() {
     let refused = |a: &[Image], b: &[Image]| {
-        let (a, b) = (Rendered { images: a, samples: 1.0 }, Rendered { images: b, samples: 1.0 });
+        let (a, b) =
+            (Rendered { images: Images::Held(a), samples: 1.0 }, Rendered { images: Images::Held(b), samples: 1.0 });
         judge(a, b, Tolerance::default()).expect_err("refused")
     };
     let a = even(3, 0.1, 8);

@@ -1,5 +1,7 @@
 //! `ltsc build`: every scene of a project for every target.
 
+mod summary;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::io;
@@ -9,10 +11,11 @@ use std::sync::Arc;
 use ltsc_core::diag::{Finding, Severity};
 use ltsc_core::eval::Overrides;
 use ltsc_core::formats::{self, Choices, Target};
-use ltsc_core::ledger::Ledger;
+use ltsc_core::ledger::{self, Ledger};
 use ltsc_core::lint::Levels;
 use ltsc_core::pipeline;
 use ltsc_core::valid::Valid;
+use ltsc_render::regular;
 use rayon::prelude::*;
 use serde_json::json;
 
@@ -22,7 +25,8 @@ use crate::project::{self, Project};
 use crate::terminal::{self, Bar};
 use ltsc_evaluation::disk::{Changes, DiskSink, MANIFEST, Manifest, STAGING, Staging, left_over, unwritable};
 
-use super::shared::{CheckedFile, all_files_of, check, ledgers, losses, report, say_losses, set_for};
+use super::said::{Loss, losses_of, losses_written};
+use super::shared::{CheckedFile, Shown, all_files_of, check, ledgers, losses, report_as, set_for};
 
 /// A scene that can be written.
 struct Ready<'f> {
@@ -34,10 +38,16 @@ struct Ready<'f> {
 }
 
 /// What became of one scene.
+#[derive(Default)]
 struct Built {
     name: String,
     targets: usize,
     changes: Changes,
+    /// Whether nothing was generated of it before.
+    first: bool,
+    /// By target, the losses that its ledger did not have before, and how many it had.
+    news: Vec<(&'static str, Vec<Loss>)>,
+    known: Vec<(&'static str, usize)>,
 }
 
 /// What became of one scene, or why nothing did: the texts that were made say something else than the scene.
@@ -118,7 +128,7 @@ fn has_no_scene(project: &Project) -> bool {
 }
 
 fn json_of(built: &Built) -> serde_json::Value {
-    let Built { name, targets, changes: Changes { written, same, removed, kept, restored } } = built;
+    let Built { name, targets, changes: Changes { written, same, removed, kept, restored }, .. } = built;
     json!({
         "scene": name, "targets": targets, "written": written, "unchanged": same, "removed": removed, "kept": kept,
         "restored": restored,
@@ -151,20 +161,22 @@ fn build(
         checked.iter().any(|file| file.checked.worst() >= Severity::Deny) || more.iter().chain(&lost).any(denied);
     // Programs get one document: the findings where they forbid to write, else what was written.
     let shown = if json && !failing { Format::Short } else { format };
-    // People get a line for each target below, and what forbids to write.
+    // People get what forbids to write here, and the rest below.
     let each = shown != Format::Human && !command.check;
     more.extend(lost.into_iter().filter(|located| each || denied(located)));
-    let (exit, _) = report(&checked, more, shown, false, true);
+    let worth = if command.verbose { Shown::Warnings } else { Shown::Refusals };
+    let warnings: Vec<Located<'_>> = if worth == Shown::Refusals { warnings(&checked, &more) } else { Vec::new() };
+    let (exit, counts) = report_as(&checked, more, None, shown, false, worth);
     if exit != Exit::Done {
+        if shown == Format::Human && worth == Shown::Refusals && counts.warnings > 0 {
+            terminal::say(&summary::lint(&command.paths, counts.warnings));
+        }
         terminal::error("nothing was written");
         return Ok((exit, None));
     }
     if let Some((name, first, second)) = twins(&ready) {
         return Err(Failure::new(Exit::Input, format!("two scenes are named `{name}`: {first} and {second}"))
             .help("rename one of them"));
-    }
-    if shown == Format::Human && !command.check {
-        say_losses(&scenes.iter().map(|(ledgers, _)| *ledgers).collect::<Vec<_>>());
     }
     let failed = |error: io::Error| unwritable(output, &error);
     let staging = if command.check { None } else { Some(Arc::new(Staging::of(output).map_err(failed)?)) };
@@ -203,14 +215,12 @@ fn build(
     }
     if command.check && left_over(output) {
         let changes = Changes { removed: vec![STAGING.to_owned()], ..Changes::default() };
-        built.push(Built { name: String::new(), targets: 0, changes });
+        built.push(Built { changes, ..Built::default() });
     }
     let stale = built.iter().any(|scene| !scene.changes.is_empty());
     if !json {
-        summary(&built, output, command.check);
-    }
-    if format == Format::Human && !command.check {
-        where_to_look(&ready, targets, output);
+        let told = summary::Told { command, output, ready: &ready, targets, built: &built, warnings: &warnings };
+        told.say(format == Format::Human);
     }
     Ok((if command.check && stale { Exit::No } else { Exit::Done }, Some(built)))
 }
@@ -266,6 +276,8 @@ fn write(
     let failed = |error: io::Error| unwritable(&folder, &error);
     let camera = pipeline::camera(scene, None)
         .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
+    let first = Manifest::read(&folder).is_none();
+    let (news, known) = told_before(&folder, targets, &ready.ledgers);
     let mut sink = DiskSink::among(staging, &folder, &scene.name, command.force).map_err(failed)?;
     let shares = targets.iter().any(|target| target.shares_meshes);
     if !command.target.is_empty() {
@@ -293,7 +305,29 @@ fn write(
         }
     }
     let changes = sink.finish().map_err(failed)?;
-    Ok(Ok(Built { name: scene.name.clone(), targets: targets.len(), changes }))
+    Ok(Ok(Built { name: scene.name.clone(), targets: targets.len(), changes, first, news, known }))
+}
+
+/// By target, the losses that the ledger in the folder does not have yet, and how many it has.
+type Told = (Vec<(&'static str, Vec<Loss>)>, Vec<(&'static str, usize)>);
+
+fn told_before(folder: &Path, targets: &[&'static Target], ledgers: &[Ledger]) -> Told {
+    let one = |(target, ledger): (&&'static Target, &Ledger)| {
+        let file = folder.join(target.name).join(ledger::FILE);
+        let before = regular::read(&file, regular::TEXT).map(|text| losses_written(&text)).unwrap_or_default();
+        let (known, news): (Vec<Loss>, _) = losses_of(ledger).into_iter().partition(|loss| before.contains(loss));
+        ((target.name, news), (target.name, known.len()))
+    };
+    targets.iter().zip(ledgers).map(one).unzip()
+}
+
+/// The warnings of files, each once, and those among `more`.
+fn warnings<'f>(checked: &'f [CheckedFile], more: &[Located<'f>]) -> Vec<Located<'f>> {
+    let mut seen = BTreeSet::new();
+    let own = checked.iter().flat_map(|file| file.checked.findings.iter().map(|finding| file.located(finding.clone())));
+    let more = more.iter().map(|one| Located { finding: one.finding.clone(), ..*one });
+    let all = own.chain(more).filter(|one| one.finding.severity == Severity::Warn);
+    all.filter(|one| seen.insert(one.key())).collect()
 }
 
 /// Folders of scenes that are gone.
@@ -312,7 +346,7 @@ fn orphans(output: &Path, ready: &[Ready<'_>], staging: Option<&Arc<Staging>>) -
             continue;
         }
         let Some(manifest) = Manifest::read(&folder).filter(|manifest| manifest.scene == name) else { continue };
-        let failed = |error: io::Error| Failure::new(Exit::Environment, format!("{}: {error}", folder.display()));
+        let failed = |error: io::Error| unwritable(&folder, &error);
         let mut changes = Changes { removed: manifest.files.keys().cloned().collect(), ..Changes::default() };
         if staging.is_some() {
             changes = DiskSink::among(staging, &folder, name, false).and_then(DiskSink::finish).map_err(failed)?;
@@ -322,72 +356,7 @@ fn orphans(output: &Path, ready: &[Ready<'_>], staging: Option<&Arc<Staging>>) -
             let _kept = fs::remove_dir(&folder);
         }
         changes.removed.push(MANIFEST.to_owned());
-        gone.push(Built { name: name.to_owned(), targets: 0, changes });
+        gone.push(Built { name: name.to_owned(), changes, ..Built::default() });
     }
     Ok(gone)
-}
-
-/// The files to open, for the first scene.
-fn where_to_look(ready: &[Ready<'_>], targets: &[&'static Target], output: &Path) {
-    let Some(first) = ready.first() else { return };
-    let name = &first.scene.name;
-    let mut text = String::new();
-    for target in targets {
-        let file = output.join(name).join(target.name).join(target.main_file_of(name));
-        text.push_str(&format!("  {:<12} {}\n", target.name, file.display()));
-    }
-    match ready.len() - 1 {
-        0 => {}
-        1 => text.push_str("  and the same for 1 more scene\n"),
-        more => text.push_str(&format!("  and the same for {more} more scenes\n")),
-    }
-    terminal::say(text.trim_end());
-}
-
-fn summary(built: &[Built], output: &Path, check: bool) {
-    let mut lines = String::new();
-    for Built { name, targets: _, changes } in built {
-        if check {
-            let words = changes
-                .written
-                .iter()
-                .map(|path| (path, "stale"))
-                .chain(changes.removed.iter().map(|path| (path, "left over")));
-            for (path, word) in words {
-                lines.push_str(&format!("{word}: {}\n", output.join(name).join(path).display()));
-            }
-        } else if !changes.is_empty() {
-            let removed =
-                if changes.removed.is_empty() { String::new() } else { format!(", {} removed", changes.removed.len()) };
-            lines.push_str(&format!(
-                "{name}: {} files written, {} unchanged{removed}\n",
-                changes.written.len(),
-                changes.same
-            ));
-        }
-    }
-    terminal::print(&lines);
-    for (name, path) in built.iter().flat_map(|scene| scene.changes.kept.iter().map(|path| (&scene.name, path))) {
-        let path = output.join(name).join(path);
-        terminal::say(&format!("{} is no longer made, and was changed since: it stays", path.display()));
-    }
-    for (name, path) in built.iter().flat_map(|scene| scene.changes.restored.iter().map(|path| (&scene.name, path))) {
-        let path = output.join(name).join(path);
-        let what = if check { "was changed by hand" } else { "was changed by hand, and is written anew" };
-        terminal::say(&format!("{} {what}", path.display()));
-    }
-    let stale = built.iter().any(|scene| !scene.changes.is_empty());
-    let targets = built.iter().map(|scene| scene.targets).max().unwrap_or(0);
-    let scenes = built.iter().filter(|scene| scene.targets > 0).count();
-    let what = format!(
-        "{scenes} scene{} for {targets} target{}",
-        if scenes == 1 { "" } else { "s" },
-        if targets == 1 { "" } else { "s" }
-    );
-    let place = output.display();
-    terminal::say(&match (check, stale) {
-        (true, true) => format!("{place} is stale; `ltsc build` brings it up to date"),
-        (false, true) => format!("{what} in {place}"),
-        (_, false) => format!("{what} in {place}: nothing to do, all files are up to date"),
-    });
 }

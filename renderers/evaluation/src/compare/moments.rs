@@ -1,0 +1,170 @@
+//! Moments of each pixel over several images, gathered one image at a time, so that memory does not grow with their number.
+
+use rayon::prelude::*;
+
+use ltsc_render::image::{Image, finite};
+
+use super::CompareError;
+
+/// Red, green, blue, and the mean of the three.
+pub(super) const PARTS: usize = 4;
+
+/// Pixels that one thread works on at a time.
+const PIECE: usize = 1 << 14;
+
+/// A pixel over the images that were added.
+#[derive(Clone, Copy)]
+struct Pixel {
+    mean: [f64; 3],
+    /// Sums of the squares of the deviations from the mean; the last is that of the mean of red, green and blue.
+    squares: [f32; PARTS],
+    /// Sums of their cubes.
+    cubes: [f32; 3],
+    /// The largest value.
+    largest: [f32; 3],
+    /// Whether some image is not finite here.
+    bad: bool,
+}
+
+/// The moments of all pixels; 64 bytes for each, whatever the number of images.
+pub struct Moments {
+    /// Pixels in a row.
+    pub width: usize,
+    /// Rows.
+    pub height: usize,
+    count: usize,
+    pixels: Vec<Pixel>,
+}
+
+impl Moments {
+    /// Of no image yet.
+    #[must_use]
+    pub fn new(width: usize, height: usize) -> Self {
+        let none = Pixel { mean: [0.0; 3], squares: [0.0; PARTS], cubes: [0.0; 3], largest: [f32::MIN; 3], bad: false };
+        Self { width, height, count: 0, pixels: vec![none; width * height] }
+    }
+
+    /// Adds an image.
+    ///
+    /// # Errors
+    /// If its size is another one.
+    pub fn add(&mut self, image: &Image) -> Result<(), CompareError> {
+        if (image.width, image.height) != (self.width, self.height) {
+            return Err(CompareError::Size { a: (self.width, self.height), b: (image.width, image.height) });
+        }
+        self.count += 1;
+        let n = self.count as f64;
+        self.pixels.par_chunks_mut(PIECE).zip(image.pixels.par_chunks(PIECE)).for_each(|(pixels, values)| {
+            for (pixel, value) in pixels.iter_mut().zip(values) {
+                pixel.add(*value, n);
+            }
+        });
+        Ok(())
+    }
+
+    /// How many images were added.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Whether some image is infinite or not a number in a pixel.
+    pub(super) fn is_bad(&self, at: usize) -> bool {
+        self.pixels[at].bad
+    }
+
+    pub(super) fn mean(&self, at: usize) -> [f64; 3] {
+        self.pixels[at].mean
+    }
+
+    /// The variance of one image in a pixel.
+    pub(super) fn variance(&self, at: usize) -> [f64; PARTS] {
+        let freedom = (self.count as f64 - 1.0).max(1.0);
+        self.pixels[at].squares.map(|sum| f64::from(sum) / freedom)
+    }
+
+    /// The sums of the cubes of deviations, and the largest value above the mean.
+    pub(super) fn extremes(&self, at: usize) -> ([f64; 3], [f64; 3]) {
+        let pixel = &self.pixels[at];
+        let above = [0, 1, 2].map(|c: usize| (f64::from(pixel.largest[c]) - pixel.mean[c]).max(0.0));
+        (pixel.cubes.map(f64::from), above)
+    }
+
+    /// The mean of all images; not a number where one of them is not finite.
+    #[must_use]
+    pub fn mean_image(&self) -> Image {
+        self.image(|pixel| pixel.mean.map(|value| value as f32))
+    }
+
+    /// The variance of that mean.
+    #[must_use]
+    pub fn variance_image(&self) -> Image {
+        let share = 1.0 / ((self.count as f64 - 1.0).max(1.0) * self.count.max(1) as f64);
+        self.image(|pixel| [0, 1, 2].map(|c: usize| (f64::from(pixel.squares[c]) * share) as f32))
+    }
+
+    fn image(&self, value: impl Fn(&Pixel) -> [f32; 3] + Sync) -> Image {
+        let of = |pixel: &Pixel| if pixel.bad { [f32::NAN; 3] } else { value(pixel) };
+        Image { width: self.width, height: self.height, pixels: self.pixels.par_iter().map(of).collect() }
+    }
+}
+
+impl Pixel {
+    /// Adds the `n`th value (Terriberry's update of central moments).
+    fn add(&mut self, value: [f32; 3], n: f64) {
+        if !finite(&value) || self.bad {
+            self.bad = true;
+            return;
+        }
+        let grey = |values: [f64; 3]| (values[0] + values[1] + values[2]) / 3.0;
+        let off = grey(value.map(f64::from)) - grey(self.mean);
+        self.squares[3] += (off * off * (n - 1.0) / n) as f32;
+        for (c, value) in value.into_iter().enumerate() {
+            let off = f64::from(value) - self.mean[c];
+            let step = off / n;
+            let square = off * step * (n - 1.0);
+            let squares = f64::from(self.squares[c]);
+            self.cubes[c] += (square * step * (n - 2.0) - 3.0 * step * squares) as f32;
+            self.squares[c] = (squares + square) as f32;
+            self.mean[c] += step;
+            self.largest[c] = self.largest[c].max(value);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_are_those_of_the_plain_sums() {
+        let values = [1.0_f32, 2.0, 6.0, 2.5, 0.25];
+        let image = |value: f32| Image { width: 2, height: 1, pixels: vec![[value, 2.0 * value, 3.0], [0.5; 3]] };
+        let mut moments = Moments::new(2, 1);
+        values.iter().for_each(|value| moments.add(&image(*value)).expect("one size"));
+        let n = values.len() as f64;
+        let mean = values.iter().map(|value| f64::from(*value)).sum::<f64>() / n;
+        let power = |power: i32| values.iter().map(|value| (f64::from(*value) - mean).powi(power)).sum::<f64>();
+        assert!((moments.mean(0)[0] - mean).abs() < 1e-12);
+        assert!((moments.variance(0)[0] - power(2) / (n - 1.0)).abs() < 1e-5);
+        assert!((moments.variance(0)[1] - 4.0 * power(2) / (n - 1.0)).abs() < 1e-4);
+        // Grey is the value itself and a constant.
+        assert!((moments.variance(0)[3] - power(2) / (n - 1.0)).abs() < 1e-5);
+        let (cubes, above) = moments.extremes(0);
+        assert!((cubes[0] - power(3)).abs() < 1e-4, "{} for {}", cubes[0], power(3));
+        assert!((above[0] - (6.0 - mean)).abs() < 1e-6);
+        assert_eq!((moments.variance(1)[0], moments.mean_image().pixels[1]), (0.0, [0.5; 3]));
+        let of_mean = f64::from(moments.variance_image().pixels[0][0]);
+        assert!((of_mean - power(2) / (n - 1.0) / n).abs() < 1e-5);
+    }
+
+    #[test]
+    fn a_pixel_that_is_once_not_finite_has_no_mean() {
+        let mut moments = Moments::new(1, 1);
+        for value in [1.0, f32::INFINITY, 1.0] {
+            moments.add(&Image::filled(1, 1, [1.0, value, 1.0])).expect("one size");
+        }
+        assert!(moments.is_bad(0) && moments.mean_image().non_finite() == 1);
+        assert!(moments.add(&Image::filled(2, 1, [1.0; 3])).is_err());
+    }
+}
