@@ -37,6 +37,7 @@ mod seeds;
 mod signals;
 mod similar;
 mod slurm;
+mod statements;
 mod thesis;
 mod tidy;
 mod user;

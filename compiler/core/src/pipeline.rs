@@ -5,9 +5,10 @@ use std::io;
 
 use crate::audit::{self, Asked, Audited, Meshes};
 use crate::diag::{FileId, Finding, Origin, Severity, Sources, Suppression};
-use crate::eval::{self, Allow, Evaluated, Overrides, SceneParameter};
+use crate::eval::{self, Allow, Evaluated, Overrides, SceneParameter, Setting};
 use crate::files::{Bytes, Files, Sink, VPath};
 use crate::fix;
+use crate::formats::statements::{self, Statements, Value};
 use crate::formats::{self, Choices, Emission, Target};
 use crate::ir::{Camera, Handle, Scene, Scenes};
 use crate::ledger::{self, Ledger};
@@ -197,6 +198,38 @@ pub fn prepare(scene: Scene) -> Result<(Valid, Vec<Finding>), Vec<Finding>> {
     }
 }
 
+/// Neutral settings of a test case, such as `{ integrator = "path", max_depth = 10 }`, for [`override_settings`] or [`Options`].
+///
+/// # Errors
+/// Settings that there are not, and values that they cannot have.
+pub fn neutral_settings<'v>(
+    settings: impl IntoIterator<Item = (&'v str, &'v Value)>,
+    origin: &Origin,
+) -> Result<Overrides, Vec<Finding>> {
+    let mut overrides = Overrides::default();
+    let mut findings = Vec::new();
+    for (name, value) in settings {
+        let setting = match value {
+            Value::Integer(number) => Setting::Number(*number as f64),
+            Value::Float(number) => Setting::Number(*number),
+            Value::String(word) => Setting::Word(word),
+            Value::Bool(_) | Value::List(_) => Setting::Other,
+        };
+        findings.extend(overrides.give(name, setting, origin).err());
+    }
+    if findings.is_empty() { Ok(overrides) } else { Err(findings) }
+}
+
+/// The scene with other settings.
+///
+/// # Errors
+/// What makes it invalid.
+pub fn override_settings(scene: Valid, overrides: &Overrides) -> Result<Valid, Vec<Finding>> {
+    let mut scene = scene.into_inner();
+    overrides.apply(&mut scene);
+    valid::validate(scene)
+}
+
 /// The camera called `name`, or the first one.
 pub fn camera(scene: &Scene, name: Option<&str>) -> Option<Handle<Camera>> {
     let mut cameras = scene.cameras.iter();
@@ -219,12 +252,64 @@ pub fn emit_alone(
     choices: &Choices,
     sink: &mut dyn Sink,
 ) -> io::Result<()> {
+    emit_given(scene, camera, target, ledger, choices, &statements::NONE, sink)
+}
+
+/// The same with statements of a test case, which [`take_statements`] has looked at, in the place of the target's own.
+///
+/// # Errors
+/// What the sink says.
+pub fn emit_given(
+    scene: &Valid,
+    camera: Handle<Camera>,
+    target: &Target,
+    ledger: &Ledger,
+    choices: &Choices,
+    statements: &Statements,
+    sink: &mut dyn Sink,
+) -> io::Result<()> {
     if target.shares_meshes {
         formats::write_meshes(scene, "meshes/", sink)?;
         formats::write_textures(scene, &[target], "textures/", sink)?;
     }
     book(ledger, sink)?;
-    (target.emit)(&Emission { scene, camera, meshes: "meshes/", textures: "textures/", choices }, sink)
+    (target.emit)(&Emission { scene, camera, meshes: "meshes/", textures: "textures/", choices, statements }, sink)
+}
+
+/// A scene that statements of a test case are to replace settings of: its image has the size that they say, since conventions of
+/// cameras depend on it. What is likely to be a mistake comes back beside it.
+///
+/// # Errors
+/// What the target cannot write, or an image of such a size.
+pub fn take_statements(
+    scene: Valid,
+    target: &Target,
+    statements: &Statements,
+) -> Result<(Valid, Vec<Finding>), Vec<Finding>> {
+    if statements.is_empty() {
+        return Ok((scene, Vec::new()));
+    }
+    let Some(native) = &target.statements else {
+        let origin = statements.iter().next().map_or(Origin::Made, |first| first.origin.clone());
+        let finding = Finding::error("no-statements", origin, format!("{} takes no statements", target.name));
+        return Err(vec![
+            finding
+                .note("it has no words for integrator, sampler and film")
+                .help("leave the parameters out, or name another target"),
+        ]);
+    };
+    let findings = (native.check)(statements);
+    if findings.iter().any(|finding| finding.severity == Severity::Error) {
+        return Err(findings);
+    }
+    let own = [scene.film.width, scene.film.height];
+    let size = (native.size)(statements, own);
+    if size == own {
+        return Ok((scene, findings));
+    }
+    let mut scene = scene.into_inner();
+    [scene.film.width, scene.film.height] = size;
+    valid::validate(scene).map(|scene| (scene, findings))
 }
 
 /// Writes the folder of one target beside the folders `meshes` and `textures` that targets share.
@@ -240,7 +325,8 @@ pub fn emit_shared(
     sink: &mut dyn Sink,
 ) -> io::Result<()> {
     book(ledger, sink)?;
-    (target.emit)(&Emission { scene, camera, meshes: "../meshes/", textures: "../textures/", choices }, sink)
+    let (meshes, textures) = ("../meshes/", "../textures/");
+    (target.emit)(&Emission { scene, camera, meshes, textures, choices, statements: &statements::NONE }, sink)
 }
 
 /// Reads what was written of a scene back from `files`, each target in the folder that `folder` says, and compares it with the scene.
@@ -252,10 +338,22 @@ pub fn audit(
     files: &dyn Files,
     folder: impl Fn(&Target) -> String,
 ) -> Audited {
+    audit_given(scene, camera, targets, &statements::NONE, files, folder)
+}
+
+/// The same with statements of a test case in the place of the targets' own: they are not compared, all else is.
+pub fn audit_given(
+    scene: &Valid,
+    camera: Handle<Camera>,
+    targets: &[&'static Target],
+    given: &Statements,
+    files: &dyn Files,
+    folder: impl Fn(&Target) -> String,
+) -> Audited {
     let asked = Asked::new(scene, camera);
     let mut meshes = Meshes::new(files);
     let readable = targets.iter().filter(|target| target.import.is_some());
-    let targets = readable.map(|target| audit::audit(&asked, target, &folder(target), &mut meshes)).collect();
+    let targets = readable.map(|target| audit::audit(&asked, target, &folder(target), given, &mut meshes)).collect();
     let Asked { sums, emitters, .. } = asked;
     Audited { asked: sums, emitters, targets }
 }

@@ -19,8 +19,10 @@ use crate::capability::{Feature, Support, features};
 use crate::diag::{Finding, Origin, Severity};
 use crate::files::{Files, VPath};
 use crate::formats::Target;
+use crate::formats::effective::Effective;
 use crate::formats::shared::reading::{MeshPlace, Reading, Rgb};
 use crate::formats::shared::source::Source;
+use crate::formats::statements::Statements;
 use crate::ir::{Affine, Bsdf, Camera, Emission, Group, Handle, Instance, Material, Mesh, Scene, Shape, Vec3};
 use crate::mesh;
 
@@ -84,6 +86,8 @@ pub struct Audit {
     pub fov_x: Option<f64>,
     /// Width and height by the files.
     pub film: Option<[u32; 2]>,
+    /// The settings with which the image is rendered.
+    pub effective: Effective,
     /// What the scene asks for and the target says of itself that it cannot say: what is left is what was compared.
     pub lost: Vec<Lost>,
     /// What differs, and what could not be read.
@@ -303,7 +307,14 @@ fn is_plain(bytes: &[u8]) -> bool {
 }
 
 /// Reads the files of `target`, which has a reader, in `folder` (below the root of what `meshes` reads from, empty for the root) and compares them with the scene.
-pub fn audit(asked: &Asked<'_>, target: &'static Target, folder: &str, meshes: &mut Meshes<'_>) -> Audit {
+/// What was written in the words of `given` is not that of the scene, and not compared.
+pub fn audit(
+    asked: &Asked<'_>,
+    target: &'static Target,
+    folder: &str,
+    given: &Statements,
+    meshes: &mut Meshes<'_>,
+) -> Audit {
     let name = target.main_file_of(&asked.scene.name);
     let mut found = Found { target: target.name, main: name.clone(), now: name.clone(), findings: Vec::new(), more: 0 };
     let mut audit = Audit {
@@ -315,6 +326,7 @@ pub fn audit(asked: &Asked<'_>, target: &'static Target, folder: &str, meshes: &
         max_depth: None,
         fov_x: None,
         film: None,
+        effective: Effective::default(),
         lost: lost(asked.scene, target),
         findings: Vec::new(),
     };
@@ -325,9 +337,11 @@ pub fn audit(asked: &Asked<'_>, target: &'static Target, folder: &str, meshes: &
     };
     found.main = main.as_str().to_owned();
     found.stands_in(None);
-    let mut source = Source::new(meshes.files);
+    let mut source = Source::with(meshes.files, given);
     let reading = import(&main, &mut source);
-    let unread = source.finish();
+    let (unread, passed) = source.finish_all();
+    let passed = passed.into_iter().map(|finding| finding.message).collect();
+    audit.effective = Effective { passed, ..Effective::of(target.name, &reading) };
     (audit.max_depth, audit.film) = (reading.max_depth, reading.film);
     audit.fov_x = reading.view.map(|view| view.fov_x);
     if unread.is_empty() {

@@ -30,15 +30,24 @@ pub(super) fn compare(asked: &Asked<'_>, target: &Target, reading: &Reading, fou
         Some([w, h]) => found.differs(format!("the image has {w} x {h} pixels instead of {width} x {height}")),
         None => found.differs("the files give no size of the image"),
     }
-    filter(asked, target, reading, found);
-    depth(asked, target, reading, found);
+    if !reading.replaced.filter {
+        filter(asked, target, reading, found);
+    }
+    if !reading.replaced.integrator {
+        depth(asked, target, reading, found);
+    }
     match &reading.view {
+        _ if reading.replaced.camera => {}
         Some(view) => view_differs(asked, view, found),
         None => found.differs("the files give no camera"),
     }
-    algorithm(asked, target, reading, found);
+    if !reading.replaced.integrator {
+        algorithm(asked, target, reading, found);
+    }
     clip(asked, reading, found);
-    sampling(asked, target, reading, found);
+    if !reading.replaced.sampler {
+        sampling(asked, target, reading, found);
+    }
     found.stands_in(reading.description.as_ref());
     lights(asked, target, &reading.lights, found);
 }
@@ -99,7 +108,7 @@ fn clip(asked: &Asked<'_>, reading: &Reading, found: &mut Found) {
 
 fn sampling(asked: &Asked<'_>, target: &Target, reading: &Reading, found: &mut Found) {
     let sampler = &asked.scene.sampler;
-    let Sampling { samples, seed, sobol } = &reading.sampling;
+    let Sampling { samples, passes: _, seed, sobol } = &reading.sampling;
     let wanted = i64::from(sampler.samples().min(reading.most.unwrap_or(u32::MAX)));
     if let Some(other) = samples.iter().find(|samples| **samples != wanted) {
         found.differs(format!("there are {other} samples instead of {wanted}"));

@@ -7,6 +7,7 @@ use proptest::prelude::*;
 use super::*;
 use crate::files::{MemoryFiles, MemorySink};
 use crate::formats::shared::sample;
+use crate::formats::statements::NONE;
 use crate::formats::{self, Choices, Emission as Emitting, TARGETS};
 use crate::ir::{Color, Encoding, Film, Filter, ImageFormat, Integrator, LightKind, LightSource};
 use crate::valid::{Valid, validate};
@@ -28,7 +29,14 @@ fn written_by(scene: &Valid, target: &Target, choices: &Choices) -> BTreeMap<Str
     formats::write_meshes(scene, "meshes/", &mut sink).expect("memory takes all");
     formats::write_textures(scene, &[target], "textures/", &mut sink).expect("memory takes all");
     let mut own = MemorySink::default();
-    let emission = Emitting { scene, camera: camera(scene), meshes: "../meshes/", textures: "../textures/", choices };
+    let emission = Emitting {
+        scene,
+        camera: camera(scene),
+        meshes: "../meshes/",
+        textures: "../textures/",
+        choices,
+        statements: &NONE,
+    };
     (target.emit)(&emission, &mut own).expect("memory takes all");
     sink.files.extend(own.files.into_iter().map(|(path, bytes)| (format!("{}/{path}", target.name), bytes)));
     sink.files
@@ -44,7 +52,7 @@ pub(super) fn audited(scene: &Valid, target: &'static Target, files: &BTreeMap<S
         memory.insert(path.clone(), bytes.clone());
     }
     let asked = Asked::new(scene, camera(scene));
-    audit(&asked, target, target.name, &mut Meshes::new(&memory))
+    audit(&asked, target, target.name, &NONE, &mut Meshes::new(&memory))
 }
 
 pub(super) fn said(audit: &Audit) -> Vec<String> {

@@ -164,7 +164,15 @@ pub const CODES: &[Code] = &[
     ),
     code("invalid-sampler", "A sampler takes no samples."),
     code("invalid-scene", "A scene has nothing to render: no shape, no camera, or an image without pixels."),
+    code(
+        "invalid-setting",
+        "A neutral setting of a test case is none, or has a value that it cannot have.\nThey are `integrator`, `max_depth`, `samples`, `seed`, `sampler`, `filter`, `width` and `height`, with the words of the language:\n`settings = { integrator = \"path\", max_depth = 10, samples = 256, filter = \"box\" }`. What only one renderer has is a native parameter.",
+    ),
     code("invalid-shape", "A shape names a mesh or a material that the scene does not have."),
+    code(
+        "invalid-statement",
+        "A native statement of a test case cannot be written for its target.\nParameters are `[name, type, value]` in the words of the renderer. In Mitsuba an empty type makes an attribute, `[\"type\", \"\", \"path\"]`; in\nPBRT the one called `type` is the directive's own type, and one without name and type a list of numbers; in LuxCore statement and\nname make a key, in Cycles an attribute of the scene. What files are made of, such as `include`, cannot be given.",
+    ),
     code(
         "invalid-texture",
         "A texture is given an encoding that its image cannot have, or stands where its image means nothing.\nPNG and JPEG are `\"srgb\"` or `\"linear\"`; OpenEXR, PFM and Radiance HDR hold floats, which are linear in every renderer. The image of an\nenvironment holds floats: codes of 8 bits end at white.",
@@ -226,10 +234,18 @@ pub const CODES: &[Code] = &[
         "A file does not say its version of the language.\nThe newest is assumed; write `lts 1` first so that the file keeps its meaning.",
     ),
     code("missing-with", "A shape has no material, or an emitter no radiance."),
+    remark(
+        "misspelled-statement",
+        "A native statement of a test case differs from one of its target by the case of its letters only.\nIt is written as it is, and does not replace the scene's own: PBRT has an `Integrator`, Mitsuba an `integrator`.",
+    ),
     code("name-limit", "A name has more than 256 bytes."),
     code(
         "nesting-limit",
         "Brackets or operators are nested too deeply.\nThe limits are 128 brackets and 256 levels of operators; give inner parts names with `let`.",
+    ),
+    code(
+        "no-statements",
+        "A test case gives native statements to a target that has no settings.\nglTF says nothing of integrator, sampler and film: what reads it has settings of its own.",
     ),
     code("not-text", "A scene file is not text in UTF-8."),
     code("number-range", "A number is too large for double precision."),

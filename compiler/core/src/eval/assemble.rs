@@ -6,8 +6,8 @@ use std::rc::Rc;
 use crate::diag::{Finding, Span, nearest};
 use crate::files::VPath;
 use crate::ir::{
-    Affine, Arena, Bsdf, Camera, Color, Documentation, Emission, Film, Group, Handle, Instance, Integrator, LightKind,
-    LightPaths, LightSource, Material, Mesh, Sampler, Scene, Shape, Similar,
+    Affine, Arena, Bsdf, Camera, Color, Documentation, Emission, Film, Group, Handle, Instance, LightKind, LightPaths,
+    LightSource, Material, Mesh, Scene, Shape, Similar,
 };
 use crate::syntax::{ExprKind, Kind, Name};
 
@@ -78,7 +78,7 @@ impl Interpreter<'_> {
         let (Some((film, _)), Some((integrator, _)), Some((sampler, _))) = (film, integrator, sampler) else {
             return None;
         };
-        let film = override_film(&film, overrides);
+        let film = overrides.film(&film);
         let mut built = Builder::default();
         let cameras = cameras.into_iter().fold(Arena::default(), |mut arena, (name, camera, span)| {
             let _handle: Handle<Camera> = arena.push(finish_camera(name, &camera, &film), span);
@@ -103,8 +103,8 @@ impl Interpreter<'_> {
             instances,
             cameras,
             film,
-            integrator: override_integrator(&integrator, overrides),
-            sampler: override_sampler(&sampler, overrides),
+            integrator: overrides.integrator(&integrator),
+            sampler: overrides.sampler(&sampler),
         })
     }
 
@@ -362,21 +362,4 @@ fn finish_camera(name: Option<String>, camera: &CameraValue, film: &Film) -> Cam
         fov
     };
     Camera { name, eye, target, up, fov_x, near, far }
-}
-
-fn override_film(film: &Film, overrides: &Overrides) -> Film {
-    let Film { width, height, filter } = film;
-    Film {
-        width: overrides.width.unwrap_or(*width),
-        height: overrides.height.unwrap_or(*height),
-        filter: filter.clone(),
-    }
-}
-
-fn override_integrator(integrator: &Integrator, overrides: &Overrides) -> Integrator {
-    integrator.with_max_depth(overrides.max_depth.unwrap_or(integrator.max_depth()))
-}
-
-fn override_sampler(sampler: &Sampler, overrides: &Overrides) -> Sampler {
-    sampler.with(overrides.samples.unwrap_or(sampler.samples()), overrides.seed.unwrap_or(sampler.seed()))
 }

@@ -1,7 +1,7 @@
 //! Tree to Scene: names, types, units, constructors. Every error is a finding; evaluation goes on behind it.
 //!
 //! Reading order: `value`, `ops`, [`table`] (constructors), `expr` (expressions and calls), `function`, `numeric` (functions of numbers, translated), `module` (statements
-//! and `use`), `items` (shapes, instances, settings), `flow` (loops, conditions, parameters), `limits` (how large a scene may become), `work` (what evaluation may spend), `synonyms` (words of other renderers), `unused` (names), `assemble` (the Scene).
+//! and `use`), `items` (shapes, instances, settings), `flow` (loops, conditions, parameters), `limits` (how large a scene may become), `work` (what evaluation may spend), `overrides` (settings that replace the scene's), `synonyms` (words of other renderers), `unused` (names), `assemble` (the Scene).
 
 #![expect(clippy::wildcard_enum_match_arm, reason = "a value of any other type is the same mistake, and is reported")]
 
@@ -14,6 +14,7 @@ mod limits;
 mod module;
 mod numeric;
 mod ops;
+mod overrides;
 mod synonyms;
 mod table;
 mod unused;
@@ -29,28 +30,10 @@ use crate::files::{Files, VPath};
 use crate::ir::{Affine, Arena, Documentation, Scene, Texture};
 
 pub use limits::{Limit, Limits, parse_amount};
+pub use overrides::{Overrides, Setting};
 pub use synonyms::any as synonym;
 pub use table::{Constructor, Family, Parameter, table};
 pub use value::Ty;
-
-/// Settings that replace the scene's own, from the command line.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Overrides {
-    /// Pixels, at least 1.
-    pub width: Option<u32>,
-    /// Pixels, at least 1.
-    pub height: Option<u32>,
-    /// Samples per pixel, at least 1.
-    pub samples: Option<u32>,
-    /// Start of the random numbers.
-    pub seed: Option<u32>,
-    /// Segments of a path, at least 1.
-    pub max_depth: Option<u32>,
-    /// Values of the scene's parameters, as texts of expressions; the last one of a name counts.
-    pub set: Vec<(String, String)>,
-    /// How large the scene may become.
-    pub limits: Limits,
-}
 
 /// A parameter that a scene declares, with its value.
 pub use crate::ir::ParameterValue as SceneParameter;

@@ -1,12 +1,15 @@
 //! Targets: one folder per format, and the table of all.
 
+pub mod algorithms;
 mod choices;
 pub mod cycles;
+pub mod effective;
 pub mod gltf;
 pub mod luxcore;
 pub mod mitsuba;
 pub mod pbrt;
 pub mod shared;
+pub mod statements;
 #[cfg(test)]
 mod toy;
 
@@ -21,6 +24,7 @@ use crate::valid::Valid;
 use shared::images::Forms;
 use shared::reading::Reading;
 use shared::source::Source;
+use statements::{Native, Statements};
 
 /// A reader of a target's files: see [`Target::import`].
 pub type Importer = fn(&VPath, &mut Source<'_>) -> Reading;
@@ -53,6 +57,8 @@ pub struct Target {
     /// Reads what its files say, from the main file on, and tells the source what it does not understand. Where there is none, what
     /// is written cannot be audited.
     pub import: Option<Importer>,
+    /// How it takes native statements of test cases; none where it has no words for settings.
+    pub statements: Option<Native>,
 }
 
 impl Target {
@@ -79,6 +85,8 @@ pub struct Emission<'a> {
     pub textures: &'a str,
     /// What was asked for beyond what targets do anyway.
     pub choices: &'a Choices,
+    /// Native statements that replace those of the target, which has been asked about them; see [`Target::statements`].
+    pub statements: &'a Statements,
 }
 
 /// All targets, in the order in which they are shown.

@@ -27,8 +27,14 @@ pub(super) fn emitted_with(target: &str, scene: Scene, options: &[&str]) -> Memo
     let scene = validate(scene).expect("a valid scene");
     let (camera, _) = scene.cameras.iter().next().expect("a camera");
     let mut sink = MemorySink::default();
-    let emission =
-        Emission { scene: &scene, camera, meshes: "../meshes/", textures: "../textures/", choices: &choices };
+    let emission = Emission {
+        scene: &scene,
+        camera,
+        meshes: "../meshes/",
+        textures: "../textures/",
+        choices: &choices,
+        statements: &statements::NONE,
+    };
     (target.emit)(&emission, &mut sink).expect("memory takes all");
     sink
 }

@@ -97,6 +97,21 @@ impl Integrator {
         }
     }
 
+    /// The words of all.
+    pub const WORDS: [&str; 5] = ["path", "bidirectional", "light_tracing", "metropolis", "photon_map"];
+
+    /// The algorithm of a word.
+    pub fn of_word(word: &str, max_depth: u32) -> Option<Self> {
+        match word {
+            "path" => Some(Self::Path { max_depth }),
+            "bidirectional" => Some(Self::Bidirectional { max_depth }),
+            "light_tracing" => Some(Self::LightTracing { max_depth }),
+            "metropolis" => Some(Self::Metropolis { max_depth }),
+            "photon_map" => Some(Self::PhotonMap { max_depth }),
+            _ => None,
+        }
+    }
+
     /// The constructor that makes it.
     pub fn word(&self) -> &'static str {
         match self {
@@ -130,7 +145,33 @@ pub enum Sampler {
     },
 }
 
+impl Filter {
+    /// The words of all.
+    pub const WORDS: [&str; 2] = ["box", "gaussian"];
+
+    /// The filter of a word, as wide as the language makes it where nothing more is said.
+    pub fn of_word(word: &str) -> Option<Self> {
+        match word {
+            "box" => Some(Self::Box { radius: 0.5 }),
+            "gaussian" => Some(Self::Gaussian { stddev: 0.5, radius: 2.0 }),
+            _ => None,
+        }
+    }
+}
+
 impl Sampler {
+    /// The words of all.
+    pub const WORDS: [&str; 2] = ["independent", "sobol"];
+
+    /// The sampler of a word.
+    pub fn of_word(word: &str, samples: u32, seed: u32) -> Option<Self> {
+        match word {
+            "independent" => Some(Self::Independent { samples, seed }),
+            "sobol" => Some(Self::Sobol { samples, seed }),
+            _ => None,
+        }
+    }
+
     /// The same sampler with other numbers.
     pub fn set(&mut self, new_samples: u32, new_seed: u32) {
         match self {

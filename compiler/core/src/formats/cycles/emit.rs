@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 
 use super::names::{self, literal};
+use super::statements;
 use crate::files::Sink;
 use crate::formats::shared::camera;
 use crate::formats::shared::coat::{self, Coat, Mapped};
@@ -28,6 +29,7 @@ pub fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
         writeln!(out, "from ltsc_blender import *\n")?;
         writeln!(out, "scene({})", literal(&scene.name))?;
         settings(scene, out)?;
+        statements::write(emission.statements, out)?;
         view(scene, &scene.cameras[emission.camera], out)?;
         description(emission, out)?;
         writeln!(out, "\nif __name__ == \"__main__\":\n    finish()")

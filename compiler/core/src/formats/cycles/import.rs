@@ -7,12 +7,13 @@ use std::collections::BTreeMap;
 
 use super::names;
 use super::python::{Arguments, Broken, Call, Said, Scanner, Value};
+use super::statements::SCENE;
 use crate::files::VPath;
 use crate::formats::shared::camera::fov_y;
 use crate::formats::shared::coat::normal_reflectance;
 use crate::formats::shared::number::count;
 use crate::formats::shared::reading::{
-    Clip, Emitted, Fresnel, Front, Item, Light, MeshPlace, MeshSource, Model, Paint, Reading, Surface, Use, View,
+    Clip, Emitted, Fresnel, Front, Item, Light, MeshPlace, MeshSource, Model, Paint, Part, Reading, Surface, Use, View,
 };
 use crate::formats::shared::source::{self, REFERENCE, SYNTAX, Source, Text, UNKNOWN, shown};
 use crate::ir::{Film, Filter, normalized};
@@ -26,9 +27,27 @@ const FIXED: &[&str] = &[
     "    finish()",
 ];
 
+/// Limits of bounces: of all, and per kind of scattering.
+const BOUNCES: [&str; 4] =
+    ["cycles.max_bounces", "cycles.diffuse_bounces", "cycles.glossy_bounces", "cycles.transmission_bounces"];
+
+/// Attributes with which Cycles computes something else than path tracing does.
+const CHANGES: &[&str] = &[
+    "cycles.use_fast_gi",
+    "cycles.blur_glossy",
+    "cycles.light_sampling_threshold",
+    "cycles.caustics_reflective",
+    "cycles.caustics_refractive",
+    "cycles.use_denoising",
+    "cycles.use_adaptive_sampling",
+    "cycles.film_exposure",
+    "render.engine",
+];
+
 /// Reads the scene in `main`.
 pub fn import(main: &VPath, source: &mut Source<'_>) -> Reading {
     let mut reader = Reader::default();
+    reader.reading.native = Some("CYCLES".to_owned());
     functions(main, source);
     let Some(bytes) = source.bytes(main, || source::whole(main)) else { return reader.reading };
     let Some(text) = source::text(source, main, &bytes) else { return reader.reading };
@@ -51,6 +70,10 @@ fn functions(main: &VPath, source: &mut Source<'_>) {
 #[derive(Default)]
 struct Reader {
     reading: Reading,
+    /// Bounces that statements of a test case set: of all, and per kind of scattering.
+    bounces: [Option<u32>; BOUNCES.len()],
+    /// `filter_width` and whether the filter is a Gaussian, by statements of a test case.
+    filter: (Option<f64>, Option<bool>),
     textures: BTreeMap<String, Paint>,
     materials: BTreeMap<String, usize>,
     meshes: BTreeMap<String, usize>,
@@ -79,6 +102,17 @@ impl Reader {
             if indent == 0 {
                 self.group = None;
             }
+            if let Some(rest) = line.strip_prefix(SCENE).filter(|_| !to.source.given().is_empty()) {
+                let Some((attribute, _)) = rest.split_once(" = ") else { return Err(Broken(at)) };
+                let mut scanner = Scanner::new(text, at + SCENE.len() + attribute.len() + 3);
+                let value = scanner.literal()?;
+                if !scanner.line_end("") {
+                    return Err(Broken(scanner.at()));
+                }
+                self.set(attribute, &value, at, to);
+                at = scanner.at();
+                continue;
+            }
             let block = inner.strip_prefix("with ").is_some();
             let mut scanner = Scanner::new(text, at + indent + if block { 5 } else { 0 });
             let call = scanner.call()?;
@@ -94,7 +128,89 @@ impl Reader {
         Ok(())
     }
 
+    /// What a statement of a test case sets.
+    fn set(&mut self, attribute: &str, value: &Value<'_>, at: usize, to: &mut Said<'_, '_, '_>) {
+        let number = if let Value::Number(number) = value { Some(*number) } else { None };
+        let count = number.filter(|x| x.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(x)).map(|x| x as u32);
+        let reading = &mut self.reading;
+        if let Some(place) = BOUNCES.iter().position(|known| *known == attribute) {
+            self.bounces[place] = count;
+            reading.replaced.integrator = true;
+            return;
+        }
+        match attribute {
+            "cycles.samples" => {
+                reading.replaced.sampler = true;
+                reading.sampling.samples = count.map(i64::from).into_iter().collect();
+            }
+            "cycles.seed" => reading.replaced.sampler = true,
+            "cycles.pixel_filter_type" => {
+                reading.replaced.filter = true;
+                self.filter.1 = match value {
+                    Value::Text(word) if word == "GAUSSIAN" => Some(true),
+                    Value::Text(word) if word == "BOX" => Some(false),
+                    Value::Text(_) | Value::Number(_) | Value::Bool(_) | Value::Tuple(_) | Value::Call(_) => None,
+                };
+            }
+            "cycles.filter_width" => {
+                reading.replaced.filter = true;
+                self.filter.0 = number;
+            }
+            "render.resolution_x" | "render.resolution_y" => {
+                if let (Some([width, height]), Some(count)) = (&mut reading.film, count) {
+                    *(if attribute.ends_with('x') { width } else { height }) = count;
+                }
+            }
+            "cycles.sample_clamp_direct" | "cycles.sample_clamp_indirect" => {
+                // 0 is no limit; of two the smaller is in force.
+                let limit = number.map_or(Some(f64::NAN), |limit| Some(limit).filter(|limit| *limit > 0.0));
+                reading.clamped = match (reading.clamped, limit) {
+                    (Some(one), Some(other)) => Some(if one.is_nan() { one } else { other.min(one) }),
+                    (one, other) => one.or(other),
+                };
+            }
+            "render.use_border" => {
+                reading.part = if *value == Value::Bool(true) { Part::Unknown } else { Part::Whole };
+            }
+            other => {
+                if CHANGES.contains(&other) {
+                    reading.native = None;
+                    reading.replaced.integrator = true;
+                }
+                let loud = to.source.hush(true);
+                to.say(UNKNOWN, at, format!("the attribute `{}` is set", shown(other)));
+                to.source.hush(loud);
+            }
+        }
+    }
+
+    /// What statements of a test case make of depth and filter.
+    fn replaced(&mut self) {
+        if self.bounces.iter().any(Option::is_some) {
+            // The functions set all of them alike.
+            let own = self.reading.max_depth.map(|depth| depth.saturating_sub(2));
+            let depths: Option<Vec<u32>> = self.bounces.iter().map(|said| said.or(own)).collect();
+            let depth = depths.and_then(|all| Some(all[0]).filter(|most| all.iter().all(|depth| depth >= most)));
+            self.reading.max_depth = depth.map(|bounces| bounces.saturating_add(2));
+        }
+        if self.reading.replaced.filter {
+            let (width, own) = (self.filter.0, self.reading.filter.take());
+            self.reading.filter = match (self.filter.1, own, width) {
+                (Some(false), _, _) | (None, Some(Filter::Box { radius: _ }), Some(_)) => {
+                    Some(Filter::Box { radius: 0.5 })
+                }
+                (Some(true), _, Some(width)) | (None, Some(Filter::Gaussian { stddev: _, radius: _ }), Some(width)) => {
+                    let stddev = names::stddev(width);
+                    Some(Filter::Gaussian { stddev, radius: 6.0 * stddev })
+                }
+                (Some(true), own @ Some(Filter::Gaussian { stddev: _, radius: _ }), None) => own,
+                _ => None,
+            };
+        }
+    }
+
     fn finish(mut self, to: &mut Said<'_, '_, '_>) -> Reading {
+        self.replaced();
         match (self.view, self.reading.film) {
             (Some(view), Some([width, height])) if width > 0 && height > 0 => {
                 let film = Film { width, height, filter: Filter::Box { radius: 0.5 } };

@@ -6,8 +6,10 @@ pub mod import;
 mod media;
 pub mod names;
 mod python;
+mod statements;
 
 use super::Target;
+use super::statements::Native;
 use crate::capability::{Feature, Support};
 
 /// Cycles in Blender.
@@ -24,6 +26,7 @@ pub const CYCLES: Target = Target {
     choices: &[],
     emit: emit::emit,
     import: Some(import::import),
+    statements: Some(Native { check: statements::check, size: statements::size }),
 };
 
 fn supports(feature: Feature) -> Support {

@@ -76,6 +76,15 @@ impl<'t> Scanner<'t> {
         &self.text[start..self.at]
     }
 
+    /// A literal.
+    pub fn literal(&mut self) -> Result<Value<'t>, Broken> {
+        let at = self.at;
+        match self.value(0)? {
+            Value::Call(_) => Err(Broken(at)),
+            value @ (Value::Number(_) | Value::Bool(_) | Value::Text(_) | Value::Tuple(_)) => Ok(value),
+        }
+    }
+
     /// A call.
     pub fn call(&mut self) -> Result<Call<'t>, Broken> {
         self.call_at(0)

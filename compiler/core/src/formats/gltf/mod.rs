@@ -33,6 +33,7 @@ pub const GLTF: Target = Target {
     }],
     emit: emit::separate,
     import: Some(import::import),
+    statements: None,
 };
 
 /// glTF 2.0 in one binary file, images inside.

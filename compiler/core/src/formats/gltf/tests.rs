@@ -111,8 +111,14 @@ fn a_scene_of_four_gibibytes_is_refused_before_a_byte_is_written() {
     let scene = validate(huge()).expect("a valid scene");
     let (camera, _) = scene.cameras.iter().next().expect("a camera");
     let choices = Choices::default();
-    let emission =
-        Emission { scene: &scene, camera, meshes: "../meshes/", textures: "../textures/", choices: &choices };
+    let emission = Emission {
+        scene: &scene,
+        camera,
+        meshes: "../meshes/",
+        textures: "../textures/",
+        choices: &choices,
+        statements: &crate::formats::statements::NONE,
+    };
     let target = find("gltf-binary").expect("a target by its other name");
     let error = (target.emit)(&emission, &mut Refusing).expect_err("too large");
     assert_eq!(error.kind(), std::io::ErrorKind::FileTooLarge);

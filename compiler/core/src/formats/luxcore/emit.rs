@@ -4,7 +4,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-use super::{fresnel, names};
+use super::{fresnel, names, statements};
 use crate::files::Sink;
 use crate::formats::shared::camera;
 use crate::formats::shared::coat::{self, Coat, Mapped};
@@ -25,7 +25,7 @@ pub fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
     let head = Line(&head).to_string();
     text::file(sink, "scene.cfg", |out| {
         writeln!(out, "# {head}")?;
-        settings(scene, &scene.cameras[emission.camera], out)
+        settings(emission, out)
     })?;
     if scene.textures.values().any(|texture| encoding(texture) == Encoding::Srgb) {
         text::file(sink, names::SRGB_FILE, |out| {
@@ -41,7 +41,12 @@ pub fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
     images::write_own(scene, images::shared_or_scaled, sink)
 }
 
-fn settings(scene: &Scene, camera: &Camera, out: &mut dyn Write) -> io::Result<()> {
+fn settings(emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let (scene, given): (&Scene, _) = (emission.scene, emission.statements);
+    let camera = &scene.cameras[emission.camera];
+    let set = |out: &mut dyn Write, key: &str, value: &str| {
+        if statements::replaced(given, key) { Ok(()) } else { set(out, key, value) }
+    };
     set(out, "scene.file", "\"scene.scn\"")?;
     for (key, value) in names::FIXED {
         set(out, key, value)?;
@@ -94,7 +99,8 @@ fn settings(scene: &Scene, camera: &Camera, out: &mut dyn Write) -> io::Result<(
         }
     }
     set(out, "film.outputs.0.type", "\"RGB\"")?;
-    set(out, "film.outputs.0.filename", &format!("\"{}.exr\"", file_stem(&scene.name)))
+    set(out, "film.outputs.0.filename", &format!("\"{}.exr\"", file_stem(&scene.name)))?;
+    statements::write(given, out)
 }
 
 fn view(scene: &Scene, camera: &Camera, out: &mut dyn Write) -> io::Result<()> {

@@ -5,10 +5,12 @@
 use super::names;
 use super::properties::{Property, Said, Things, lines, string};
 use super::scatter;
+use super::statements::{self, DEFAULT_SIZE};
 use crate::files::VPath;
 use crate::formats::shared::number::count;
 use crate::formats::shared::reading::{
-    Clip, Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Reading, Surface, Use, View, turned,
+    Clip, Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Part, Reading, Replaced, Surface, Use, View,
+    turned,
 };
 use crate::formats::shared::source::{self, REFERENCE, SYNTAX, Source, Text, UNKNOWN, number, shown};
 use crate::ir::{Affine, Filter, Vec3, cross, normalized, sub};
@@ -27,6 +29,12 @@ const PASSED: &[&str] = &[
 const DEPTHS: &[&str] =
     &["path.pathdepth.total", "path.pathdepth.diffuse", "path.pathdepth.glossy", "path.pathdepth.specular"];
 
+/// The limits that are in force where a file gives none (LuxCore's reference of its language, `PATHCPU`).
+const DEFAULT_DEPTHS: &[u32] = &[6, 4, 4, 6];
+
+/// The largest value of a sample.
+const CLAMPING: &str = "path.clamping.variance.maxvalue";
+
 /// Reads the scene whose configuration is `main`.
 pub fn import(main: &VPath, source: &mut Source<'_>) -> Reading {
     let mut reading = Reading { most: Some(count(u32::MAX)), ..Reading::default() };
@@ -39,6 +47,9 @@ pub fn import(main: &VPath, source: &mut Source<'_>) -> Reading {
 
 /// What the properties of the filter say; LuxCore's own values where they say nothing.
 struct Lens {
+    /// Whether all of it was understood, and whether its type was said.
+    known: bool,
+    said: bool,
     kind: Kind,
     width: f64,
     alpha: f64,
@@ -53,7 +64,7 @@ enum Kind {
 
 impl Default for Lens {
     fn default() -> Self {
-        Self { kind: Kind::Pixel, width: 2.0, alpha: 2.0 }
+        Self { known: true, said: false, kind: Kind::Pixel, width: 2.0, alpha: 2.0 }
     }
 }
 
@@ -61,6 +72,7 @@ impl Lens {
     /// Takes a property behind `film.filter.`; false where it is not understood.
     fn set(&mut self, key: &str, value: &str) -> bool {
         let positive = || number(value).filter(|x| *x > 0.0);
+        self.said |= key == "type";
         match (key, string(value), positive()) {
             ("type", Some("NONE"), _) => self.kind = Kind::Pixel,
             ("type", Some("BOX"), _) => self.kind = Kind::Box,
@@ -89,7 +101,31 @@ fn settings(main: &VPath, source: &mut Source<'_>, reading: &mut Reading) -> Opt
     let (mut scene, mut size, mut depths) = (None, [None; 2], [None; DEPTHS.len()]);
     let mut filter = Lens::default();
     let mut fixed = vec![false; names::FIXED.len()];
+    let given = source.given();
+    let replaced = |key: &str| statements::replaced(given, key);
+    reading.replaced = Replaced {
+        integrator: ["renderengine.type", "path.pathdepth"].into_iter().any(replaced),
+        sampler: ["sampler.type", "batch.haltspp", "renderengine.seed"].into_iter().any(replaced),
+        filter: replaced("film.filter.type"),
+        camera: false,
+    };
+    let (mut engine, mut metropolis) = (None, false);
     lines(text, source, |Property { key, value, at }, source| {
+        let given = replaced(key);
+        let loud = source.hush(given);
+        if given {
+            let of = |names: &[&str]| names.iter().any(|name| statements::begins(key, name));
+            reading.replaced.integrator |= of(&["renderengine.type", "path"]);
+            reading.replaced.sampler |= of(&["sampler", "batch", "renderengine.seed"]);
+            reading.replaced.filter |= of(&["film.filter"]);
+        }
+        if key == "renderengine.type" {
+            engine = string(value).map(str::to_owned);
+        }
+        if key == CLAMPING {
+            // 0 is no limit; what is no number is not known.
+            reading.clamped = number(value).map_or(Some(f64::NAN), |limit| Some(limit).filter(|limit| *limit > 0.0));
+        }
         let whole = || number(value).filter(|x| x.fract() == 0.0 && (0.0..=f64::from(u32::MAX)).contains(x));
         let count = |source: &mut Source<'_>| {
             let found = whole().map(|x| x as u32);
@@ -112,7 +148,10 @@ fn settings(main: &VPath, source: &mut Source<'_>, reading: &mut Reading) -> Opt
         } else if key == "renderengine.seed" {
             let of: fn(u32) -> i64 = |seed| names::seed(seed).into();
             reading.sampling.seed = count(source).map(|seed| (seed.into(), of));
+        } else if key == "film.subregion" && given {
+            reading.part = part(value);
         } else if key == "sampler.type" {
+            metropolis = string(value) == Some("METROPOLIS");
             reading.sampling.sobol = match string(value) {
                 Some("SOBOL") => Some(true),
                 Some("RANDOM") => Some(false),
@@ -133,19 +172,34 @@ fn settings(main: &VPath, source: &mut Source<'_>, reading: &mut Reading) -> Opt
             }
         } else if let Some(rest) = key.strip_prefix("film.filter.") {
             if !filter.set(rest, value) {
+                filter.known = false;
                 source.say(SYNTAX, text.origin(at), format!("`{key}` with the value {} is not read", shown(value)));
             }
         } else if !PASSED.contains(&key) {
             source.say(UNKNOWN, text.origin(at), format!("the property `{}` is not known", shown(key)));
         }
+        source.hush(loud);
     });
-    for ((key, _), _) in names::FIXED.iter().zip(fixed).filter(|(_, found)| !found) {
+    // The sampler makes another algorithm of it.
+    reading.native =
+        engine.or_else(|| replaced("renderengine.type").then(|| "PATHCPU".to_owned())).filter(|_| !metropolis);
+    for ((key, _), _) in names::FIXED.iter().zip(fixed).filter(|((key, _), found)| !found && !replaced(key)) {
         source.say(SYNTAX, source::whole(main), format!("`{key}` is missing, and its default is another image"));
     }
     if let [Some(width), Some(height)] = size {
         reading.film = Some([width, height]);
+    } else if replaced("film.width") {
+        let [width, height] = [0, 1].map(|at| size[at].unwrap_or(DEFAULT_SIZE[at]));
+        reading.film = Some([width, height]);
     }
-    reading.filter = Some(filter.kernel());
+    reading.filter = Some(filter.kernel()).filter(|_| filter.known && (filter.said || !reading.replaced.filter));
+    if reading.replaced.integrator {
+        // LuxCore's own limits where a file gives none; one per kind of scattering that is smaller is in force.
+        let depths: Vec<u32> =
+            depths.iter().zip(DEFAULT_DEPTHS).map(|(said, default)| said.unwrap_or(*default)).collect();
+        reading.max_depth = Some(depths[0]).filter(|total| depths.iter().all(|depth| depth >= total));
+        return scene;
+    }
     // The limits per kind of scattering have defaults of their own.
     if depths.iter().all(Option::is_some) {
         reading.max_depth = depths.into_iter().flatten().min();
@@ -159,6 +213,17 @@ fn settings(main: &VPath, source: &mut Source<'_>, reading: &mut Reading) -> Opt
         source.say(SYNTAX, source::whole(main), "`scene.file` is missing");
     }
     scene
+}
+
+/// A part of the image: its first and last column, its first and last row.
+fn part(value: &str) -> Part {
+    let edges: Option<Vec<u32>> = value.split_ascii_whitespace().map(|word| word.parse().ok()).collect();
+    match edges.as_deref() {
+        Some([left, right, top, bottom]) if left <= right && top <= bottom => {
+            Part::Rectangle { area: [*left, *top, right - left + 1, bottom - top + 1], cut: true }
+        }
+        _ => Part::Unknown,
+    }
 }
 
 fn description(text: Text<'_>, source: &mut Source<'_>, reading: &mut Reading) {

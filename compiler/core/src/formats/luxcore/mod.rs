@@ -7,9 +7,11 @@ pub mod import;
 pub mod names;
 mod properties;
 mod scatter;
+mod statements;
 
 use super::Target;
 use super::shared::images;
+use super::statements::Native;
 use crate::capability::{Feature, Support};
 
 /// LuxCore.
@@ -26,6 +28,7 @@ pub const LUXCORE: Target = Target {
     choices: &[],
     emit: emit::emit,
     import: Some(import::import),
+    statements: Some(Native { check: statements::check, size: statements::size }),
 };
 
 fn supports(feature: Feature) -> Support {

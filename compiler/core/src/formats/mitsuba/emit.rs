@@ -6,6 +6,7 @@ use std::io::{self, Write};
 use super::names::{
     DEFAULT_CLIPPING, ENVIRONMENT, Names, PHOTON_ALPHA, RR_DEPTH, Version, emitter as plugin, photon_depth,
 };
+use super::statements;
 use crate::files::Sink;
 use crate::formats::shared::camera;
 use crate::formats::shared::images::{self, Form};
@@ -30,7 +31,7 @@ pub fn emit(version: Version, emission: &Emission<'_>, sink: &mut dyn Sink) -> i
     })?;
     text::file(sink, "settings.xml", |out| {
         open(version, &head, out)?;
-        settings(version, scene, &scene.cameras[emission.camera], out)?;
+        settings(version, emission, out)?;
         close(out)
     })?;
     text::file(sink, "description.xml", |out| {
@@ -51,18 +52,26 @@ fn close(out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "</scene>")
 }
 
-fn settings(version: Version, scene: &Scene, camera: &Camera, out: &mut dyn Write) -> io::Result<()> {
+fn settings(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
     let names = version.names();
+    let (scene, given): (&Scene, _) = (emission.scene, emission.statements);
+    let camera = &scene.cameras[emission.camera];
     let (sampler, samples, seed) = sampler(names, scene);
     let seed_name = if sampler == "sobol" { Some("scramble") } else { names.seed };
+    let own = (i64::from(count(samples)), seed_name.map(|name| (name, i64::from(seed))));
+    let own_sampler = given.find("sampler");
+    let (samples, seed) = own_sampler.map_or(own, |sampler| statements::sampling(version, sampler));
     // `mitsuba -Dsamples=64` replaces a default (Mitsuba 0.5 manual, section 5.2; `scenehandler.cpp` keeps the value
     // of the command line where there is one).
-    writeln!(out, "\t<default name=\"samples\" value=\"{}\"/>", count(samples))?;
-    if seed_name.is_some() {
+    writeln!(out, "\t<default name=\"samples\" value=\"{samples}\"/>")?;
+    if let Some((_, seed)) = seed {
         writeln!(out, "\t<default name=\"seed\" value=\"{seed}\"/>")?;
     }
     writeln!(out)?;
-    integrator(version, scene, out)?;
+    match given.find("integrator") {
+        Some(statement) => statements::write(statement, 1, &[], out, &mut nothing)?,
+        None => integrator(version, scene, out)?,
+    }
     let Camera { name: _, eye, target, up, fov_x, near: _, far: _ } = camera;
     writeln!(out, "\n\t<sensor type=\"perspective\">")?;
     float(out, 2, "fov", *fov_x)?;
@@ -83,14 +92,36 @@ fn settings(version: Version, scene: &Scene, camera: &Camera, out: &mut dyn Writ
         Row(up, ", ")
     )?;
     writeln!(out, "\t\t</transform>")?;
-    writeln!(out, "\t\t<sampler type=\"{sampler}\">")?;
-    integer(out, 3, names.sample_count, "$samples")?;
-    if let Some(seed) = seed_name {
-        integer(out, 3, seed, "$seed")?;
+    let sampling: Vec<(&str, &str)> =
+        [(names.sample_count, "$samples")].into_iter().chain(seed.map(|(name, _)| (name, "$seed"))).collect();
+    match own_sampler {
+        Some(statement) => statements::write(statement, 2, &sampling, out, &mut nothing)?,
+        None => {
+            writeln!(out, "\t\t<sampler type=\"{sampler}\">")?;
+            for (name, value) in sampling {
+                integer(out, 3, name, value)?;
+            }
+            writeln!(out, "\t\t</sampler>")?;
+        }
     }
-    writeln!(out, "\t\t</sampler>")?;
-    film(names, &scene.film, out)?;
-    writeln!(out, "\t</sensor>")
+    let mut rfilter = |out: &mut dyn Write| match given.find("rfilter") {
+        Some(statement) => statements::write(statement, 3, &[], out, &mut nothing),
+        None => rfilter(names, &scene.film.filter, out),
+    };
+    match given.find("film") {
+        Some(statement) => statements::write(statement, 2, &[], out, &mut rfilter)?,
+        None => film(names, &scene.film, out, &mut rfilter)?,
+    }
+    writeln!(out, "\t</sensor>")?;
+    statements::others(given).try_for_each(|statement| {
+        writeln!(out)?;
+        statements::write(statement, 1, &[], out, &mut nothing)
+    })
+}
+
+/// What stands in an element beside its parameters: nothing.
+fn nothing(_: &mut dyn Write) -> io::Result<()> {
+    Ok(())
 }
 
 /// The plugin that takes the samples, their number, and the seed.
@@ -147,8 +178,13 @@ fn integrator(version: Version, scene: &Scene, out: &mut dyn Write) -> io::Resul
     writeln!(out, "\t</integrator>")
 }
 
-fn film(names: &Names, film: &Film, out: &mut dyn Write) -> io::Result<()> {
-    let Film { width, height, filter } = film;
+fn film(
+    names: &Names,
+    film: &Film,
+    out: &mut dyn Write,
+    rfilter: &mut dyn FnMut(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let Film { width, height, filter: _ } = film;
     writeln!(out, "\t\t<film type=\"hdrfilm\">")?;
     integer(out, 3, "width", &count(*width).to_string())?;
     integer(out, 3, "height", &count(*height).to_string())?;
@@ -158,22 +194,26 @@ fn film(names: &Names, film: &Film, out: &mut dyn Write) -> io::Result<()> {
     if let Some(banner) = names.banner {
         writeln!(out, "\t\t\t<boolean name=\"{banner}\" value=\"false\"/>")?;
     }
+    rfilter(out)?;
+    writeln!(out, "\t\t</film>")
+}
+
+fn rfilter(names: &Names, filter: &Filter, out: &mut dyn Write) -> io::Result<()> {
     match filter {
         Filter::Box { radius } => match names.box_radius.filter(|_| *radius != 0.5) {
             Some(name) => {
                 writeln!(out, "\t\t\t<rfilter type=\"box\">")?;
                 float(out, 4, name, *radius)?;
-                writeln!(out, "\t\t\t</rfilter>")?;
+                writeln!(out, "\t\t\t</rfilter>")
             }
-            None => writeln!(out, "\t\t\t<rfilter type=\"box\"/>")?,
+            None => writeln!(out, "\t\t\t<rfilter type=\"box\"/>"),
         },
         Filter::Gaussian { stddev, radius: _ } => {
             writeln!(out, "\t\t\t<rfilter type=\"gaussian\">")?;
             float(out, 4, "stddev", *stddev)?;
-            writeln!(out, "\t\t\t</rfilter>")?;
+            writeln!(out, "\t\t\t</rfilter>")
         }
     }
-    writeln!(out, "\t\t</film>")
 }
 
 fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {

@@ -6,14 +6,15 @@ use std::collections::BTreeMap;
 
 use super::names::{DEFAULT_CLIPPING, ENVIRONMENT, PHOTON_ALPHA, Version};
 use super::scatter::{self, Known};
+use super::statements::DEFAULT_SIZE;
 use super::xml::{self, Defaults, Element, Plugin, Said};
 use crate::diag::Origin;
 use crate::files::VPath;
 use crate::formats::shared::number::count;
 use crate::formats::shared::reading::{
-    Clip, Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Reading, Surface, Use, View, inverse, turned,
+    Clip, Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Part, Reading, Surface, Use, View, inverse, turned,
 };
-use crate::formats::shared::source::{self, INCLUDE_DEPTH, LIMIT, REFERENCE, SYNTAX, Source, Text, shown};
+use crate::formats::shared::source::{self, INCLUDE_DEPTH, LIMIT, REFERENCE, SYNTAX, Source, Text, UNKNOWN, shown};
 use crate::ir::{Affine, Filter, normalized};
 
 /// Reads the scene whose main file is `main`.
@@ -95,6 +96,13 @@ impl Reader {
             self.defaults.entry(name).or_insert(value);
             return;
         }
+        // What test cases add to the settings has a place of its own, or is not read.
+        if given(to, &child.name) && !["integrator", "sensor"].contains(&child.name.as_str()) {
+            let loud = to.source.hush(true);
+            to.say(UNKNOWN, child.at, format!("`{}` is added to the scene", shown(&child.name)));
+            to.source.hush(loud);
+            return;
+        }
         // Defaults stand before what uses them.
         let defaults = std::mem::take(&mut self.defaults);
         let plugin = Plugin::new(child, &defaults);
@@ -140,14 +148,22 @@ impl Reader {
 
     fn integrator(&mut self, plugin: Plugin<'_>, to: &mut Said<'_, '_, '_>) {
         let names = self.version.names();
+        let given = given(to, "integrator");
+        let loud = to.source.hush(given);
+        self.reading.replaced.integrator = given;
+        self.reading.native = Some(plugin.kind().to_owned());
         let known: &[&str] =
             if names.light_paths { &["path", "ptracer", "bdpt", "pssmlt", "sppm"] } else { &["path", "ptracer"] };
         if !known.contains(&plugin.kind()) {
             to.unknown(plugin.at(), "integrator", plugin.kind(), known);
         }
-        // -1 is no limit, and the default.
-        let depth = plugin.integer(names.max_depth, to).unwrap_or(-1);
-        self.reading.max_depth = if depth == -1 { Some(u32::MAX) } else { u32::try_from(depth).ok() };
+        // -1 is no limit, and the default of most.
+        let said = plugin.integer(names.max_depth, to);
+        let unlimited = !plugin.has(names.max_depth) && !BOUNDED.contains(&plugin.kind());
+        self.reading.max_depth = match said.or(unlimited.then_some(-1)) {
+            Some(-1) => Some(u32::MAX),
+            depth => depth.and_then(|depth| u32::try_from(depth).ok()),
+        };
         self.reading.algorithm = match plugin.kind() {
             "path" => Some("path"),
             "ptracer" => Some("light_tracing"),
@@ -161,7 +177,12 @@ impl Reader {
             to.say(SYNTAX, plugin.at(), "`directSamples` other than -1 is not read");
         }
         let passes = plugin.integer("maxPasses", to);
-        self.reading.sampling.samples.extend(passes);
+        if given {
+            // Without a number there is no end, which no sampler's number is either.
+            self.reading.sampling.passes = passes.or((plugin.kind() == "sppm").then_some(-1));
+        } else {
+            self.reading.sampling.samples.extend(passes);
+        }
         self.reading.photons = (plugin.float("initialRadius", to), plugin.integer("photonCount", to));
         if plugin.float("alpha", to).is_some_and(|alpha| alpha != PHOTON_ALPHA) {
             to.say(SYNTAX, plugin.at(), format!("`alpha` other than {PHOTON_ALPHA} is not read"));
@@ -170,6 +191,7 @@ impl Reader {
             to.say(SYNTAX, plugin.at(), "`bidirectional` switched off is not read");
         }
         plugin.finish(to);
+        to.source.hush(loud);
     }
 
     fn sensor(&mut self, plugin: Plugin<'_>, to: &mut Said<'_, '_, '_>) {
@@ -183,6 +205,9 @@ impl Reader {
         self.reading.clip = Some(Clip { near, far, default: Some(DEFAULT_CLIPPING) });
         self.reading.settings = Some(to.text.path.clone());
         for sampler in plugin.inner("sampler") {
+            let given = given(to, "sampler");
+            let loud = to.source.hush(given);
+            self.reading.replaced.sampler = given;
             if !["independent", "sobol"].contains(&sampler.kind()) {
                 to.unknown(sampler.at(), "sampler", sampler.kind(), &["independent", "sobol"]);
             }
@@ -192,12 +217,11 @@ impl Reader {
             self.reading.sampling.seed = seeds.into_iter().flatten().next().map(|seed| (seed, i64::from as _));
             self.reading.sampling.sobol = Some(sampler.kind() == "sobol");
             sampler.finish(to);
+            to.source.hush(loud);
         }
-        let mut film = [768, 576];
+        let mut film = DEFAULT_SIZE;
         for inner in plugin.inner("film") {
-            let filter;
-            (film, filter) = self.film(inner, to);
-            self.reading.filter = Some(filter);
+            film = self.film(inner, to);
         }
         self.reading.film = Some(film);
         let map = plugin.transform(names.to_world, to);
@@ -229,34 +253,58 @@ impl Reader {
         plugin.finish(to);
     }
 
-    fn film(&self, plugin: Plugin<'_>, to: &mut Said<'_, '_, '_>) -> ([u32; 2], Filter) {
+    fn film(&mut self, plugin: Plugin<'_>, to: &mut Said<'_, '_, '_>) -> [u32; 2] {
         let names = self.version.names();
+        let is_given = given(to, "film");
+        let loud = to.source.hush(is_given);
         if plugin.kind() != "hdrfilm" {
             to.unknown(plugin.at(), "film", plugin.kind(), &["hdrfilm"]);
         }
         let size = ["width", "height"].map(|name| plugin.integer(name, to).and_then(|size| u32::try_from(size).ok()));
+        let size = [size[0].unwrap_or(DEFAULT_SIZE[0]), size[1].unwrap_or(DEFAULT_SIZE[1])];
         plugin.expect(names.pixel_format, &["rgb"], to);
         plugin.expect(names.component_format, &["float32"], to);
         if names.banner.and_then(|name| plugin.boolean(name, to)).unwrap_or(names.banner.is_some()) {
             to.say(SYNTAX, plugin.at(), "a film with a banner is not read");
         }
+        if is_given && names.crop.iter().any(|name| plugin.has(name)) {
+            let default = [0, 0, size[0], size[1]];
+            let read = |at: usize, to: &mut Said<'_, '_, '_>| match plugin.integer(names.crop[at], to) {
+                Some(value) => u32::try_from(value).ok(),
+                None => Some(default[at]).filter(|_| !plugin.has(names.crop[at])),
+            };
+            self.reading.part = match [0, 1, 2, 3].map(|at| read(at, to)) {
+                [Some(x), Some(y), Some(width), Some(height)] => {
+                    Part::Rectangle { area: [x, y, width, height], cut: true }
+                }
+                _ => Part::Unknown,
+            };
+        }
+        to.source.hush(loud);
+        let is_given = given(to, "rfilter");
+        let loud = to.source.hush(is_given);
+        self.reading.replaced.filter = is_given;
         // The default of all versions.
-        let mut read = gaussian(0.5);
+        let mut read = Some(gaussian(0.5));
         for filter in plugin.inner("rfilter") {
             read = match filter.kind() {
-                "gaussian" => gaussian(filter.float("stddev", to).unwrap_or(0.5)),
-                kind => {
-                    if kind != "box" {
-                        to.unknown(filter.at(), "filter", kind, &["box", "gaussian"]);
-                    }
+                "gaussian" => Some(gaussian(filter.float("stddev", to).unwrap_or(0.5))),
+                "box" => {
                     let radius = names.box_radius.and_then(|name| filter.float(name, to));
-                    Filter::Box { radius: radius.unwrap_or(0.5) }
+                    Some(Filter::Box { radius: radius.unwrap_or(0.5) })
+                }
+                kind => {
+                    to.unknown(filter.at(), "filter", kind, &["box", "gaussian"]);
+                    None
                 }
             };
             filter.finish(to);
         }
+        self.reading.filter = read;
+        to.source.hush(given(to, "film"));
         plugin.finish(to);
-        ([size[0].unwrap_or(768), size[1].unwrap_or(576)], read)
+        to.source.hush(loud);
+        size
     }
 
     fn shape(&mut self, plugin: Plugin<'_>, to: &mut Said<'_, '_, '_>) {
@@ -405,6 +453,14 @@ impl Reader {
         }
     }
 }
+
+/// Whether a statement of a test case stands in this file.
+fn given(to: &Said<'_, '_, '_>, name: &str) -> bool {
+    to.text.path.name() == "settings.xml" && to.source.given().find(name).is_some()
+}
+
+/// Integrators whose depth is bounded by default.
+const BOUNDED: &[&str] = &["photonmapper", "ppm", "sppm", "vpl"];
 
 /// Mitsuba's Gaussian, which it cuts itself.
 fn gaussian(stddev: f64) -> Filter {

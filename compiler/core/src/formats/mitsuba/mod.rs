@@ -5,9 +5,11 @@ mod emit;
 pub mod import;
 pub mod names;
 mod scatter;
+mod statements;
 mod xml;
 
 use super::Target;
+use super::statements::Native;
 use crate::capability::{Feature, Support};
 use conversions::CONVERSIONS;
 use names::Version;
@@ -26,6 +28,7 @@ pub const MITSUBA_3: Target = Target {
     choices: &[],
     emit: |emission, sink| emit::emit(Version::V3, emission, sink),
     import: Some(|main, source| import::import(Version::V3, main, source)),
+    statements: Some(Native { check: |given| statements::check(Version::V3, given), size: statements::size }),
 };
 
 /// Mitsuba 0.6.
@@ -42,6 +45,7 @@ pub const MITSUBA_0_6: Target = Target {
     choices: &[],
     emit: |emission, sink| emit::emit(Version::V06, emission, sink),
     import: Some(|main, source| import::import(Version::V06, main, source)),
+    statements: Some(Native { check: |given| statements::check(Version::V06, given), size: statements::size }),
 };
 
 /// Mitsuba 0.5.
@@ -58,6 +62,7 @@ pub const MITSUBA_0_5: Target = Target {
     choices: &[],
     emit: |emission, sink| emit::emit(Version::V05, emission, sink),
     import: Some(|main, source| import::import(Version::V05, main, source)),
+    statements: Some(Native { check: |given| statements::check(Version::V05, given), size: statements::size }),
 };
 
 fn supports(version: Version, feature: Feature) -> Support {

@@ -115,6 +115,8 @@ pub struct Names {
     pub far_clip: &'static str,
     /// Film: channels.
     pub pixel_format: &'static str,
+    /// Film: the part that is rendered, by its left and upper edge, width and height.
+    pub crop: [&'static str; 4],
     /// Film: numbers.
     pub component_format: &'static str,
     /// Film: whether a logo is drawn into the image; none where there is none to switch off (3).
@@ -160,6 +162,7 @@ static CAMEL: Names = Names {
     near_clip: "nearClip",
     far_clip: "farClip",
     pixel_format: "pixelFormat",
+    crop: ["cropOffsetX", "cropOffsetY", "cropWidth", "cropHeight"],
     component_format: "componentFormat",
     banner: Some("banner"),
     box_radius: Some("radius"),
@@ -187,6 +190,7 @@ static SNAKE: Names = Names {
     near_clip: "near_clip",
     far_clip: "far_clip",
     pixel_format: "pixel_format",
+    crop: ["crop_offset_x", "crop_offset_y", "crop_width", "crop_height"],
     component_format: "component_format",
     banner: None,
     box_radius: None,

@@ -184,6 +184,11 @@ impl<'e> Plugin<'e> {
         self.element.at
     }
 
+    /// Whether it has a parameter of this name, of whatever type.
+    pub fn has(&self, name: &str) -> bool {
+        self.element.children.iter().any(|child| child.get("name") == Some(name))
+    }
+
     /// A child that is a parameter.
     fn find(&self, tag: &str, name: &str) -> Option<&'e Element> {
         let found = self.element.children.iter().find(|child| child.name == tag && child.get("name") == Some(name))?;

@@ -6,6 +6,7 @@
 use std::io::{self, Write};
 
 use super::names::{self, Version};
+use super::statements;
 use crate::files::Sink;
 use crate::formats::shared::camera;
 use crate::formats::shared::coat::{self, Coat, Mapped};
@@ -30,7 +31,7 @@ pub fn emit(version: Version, emission: &Emission<'_>, sink: &mut dyn Sink) -> i
     })?;
     text::file(sink, "settings.pbrt", |out| {
         writeln!(out, "# {head}")?;
-        settings(version, scene, &scene.cameras[emission.camera], out)
+        settings(version, emission, out)
     })?;
     text::file(sink, "description.pbrt", |out| {
         writeln!(out, "# {head}")?;
@@ -39,19 +40,34 @@ pub fn emit(version: Version, emission: &Emission<'_>, sink: &mut dyn Sink) -> i
     images::write_own(scene, version.images(), sink)
 }
 
-fn settings(version: Version, scene: &Scene, camera: &Camera, out: &mut dyn Write) -> io::Result<()> {
-    let names = version.names();
+fn settings(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let (scene, given): (&Scene, _) = (emission.scene, emission.statements);
+    let camera = &scene.cameras[emission.camera];
+    let mut own = |name: &str, write: &dyn Fn(&mut dyn Write) -> io::Result<()>| match given.find(name) {
+        Some(statement) => statements::write(version, statement, out),
+        None => write(out),
+    };
     // PBRT has no clipping distances.
     let Camera { name: _, eye, target, up, fov_x, near: _, far: _ } = camera;
-    writeln!(out, "# PBRT's camera is left-handed: x is mirrored first.")?;
-    writeln!(out, "Scale -1 1 1")?;
-    let [eye, target, up] = [eye, target, up].map(|vector| Row(vector, " ").to_string());
-    writeln!(out, "LookAt {eye}  {target}  {up}")?;
-    let fov = names::fov(*fov_x, &scene.film);
-    writeln!(out, "Camera \"perspective\" \"float fov\" [{}]", Num(fov))?;
+    own("Scale", &|out| writeln!(out, "# PBRT's camera is left-handed: x is mirrored first.\nScale -1 1 1"))?;
+    own("LookAt", &|out| {
+        let [eye, target, up] = [eye, target, up].map(|vector| Row(vector, " ").to_string());
+        writeln!(out, "LookAt {eye}  {target}  {up}")
+    })?;
+    own("Camera", &|out| {
+        let fov = names::fov(*fov_x, &scene.film);
+        writeln!(out, "Camera \"perspective\" \"float fov\" [{}]", Num(fov))
+    })?;
+    own("Film", &|out| film(version, scene, out))?;
+    own("PixelFilter", &|out| filter(version, &scene.film.filter, out))?;
+    own("Sampler", &|out| sampler(version, &scene.sampler, out))?;
+    own("Integrator", &|out| integrator(version, scene, count(scene.sampler.samples()), out))?;
+    statements::others(given).try_for_each(|statement| statements::write(version, statement, out))
+}
 
-    let Film { width, height, filter } = &scene.film;
-    let (film, ending, more) = names.film;
+fn film(version: Version, scene: &Scene, out: &mut dyn Write) -> io::Result<()> {
+    let Film { width, height, filter: _ } = &scene.film;
+    let (film, ending, more) = version.names().film;
     writeln!(
         out,
         "Film \"{film}\" \"integer xresolution\" [{}] \"integer yresolution\" [{}]{more} \"string filename\" \
@@ -59,12 +75,15 @@ fn settings(version: Version, scene: &Scene, camera: &Camera, out: &mut dyn Writ
         count(*width),
         count(*height),
         file_stem(&scene.name)
-    )?;
-    let (x, y) = names.filter_radius;
+    )
+}
+
+fn filter(version: Version, filter: &Filter, out: &mut dyn Write) -> io::Result<()> {
+    let (x, y) = version.names().filter_radius;
     match filter {
         Filter::Box { radius } => {
             let radius = Num(*radius);
-            writeln!(out, "PixelFilter \"box\" \"float {x}\" [{radius}] \"float {y}\" [{radius}]")?;
+            writeln!(out, "PixelFilter \"box\" \"float {x}\" [{radius}] \"float {y}\" [{radius}]")
         }
         Filter::Gaussian { stddev, radius } => {
             let radius = Num(*radius);
@@ -76,20 +95,21 @@ fn settings(version: Version, scene: &Scene, camera: &Camera, out: &mut dyn Writ
                 out,
                 "PixelFilter \"gaussian\" \"float {x}\" [{radius}] \"float {y}\" [{radius}] \"float {name}\" [{}]",
                 Num(width)
-            )?;
+            )
         }
     }
-    let (sampler, samples, seed) = match &scene.sampler {
-        Sampler::Independent { samples, seed } => (names.sampler, *samples, *seed),
+}
+
+fn sampler(version: Version, sampler: &Sampler, out: &mut dyn Write) -> io::Result<()> {
+    let (sampler, samples, seed) = match sampler {
+        Sampler::Independent { samples, seed } => (version.names().sampler, *samples, *seed),
         Sampler::Sobol { samples, seed } => ("sobol", *samples, *seed),
     };
     if seed != 0 {
         // v3 has no seed; v4 reads `--seed` only where the file gives none.
         writeln!(out, "# The seed is {seed}: pbrt-v4 takes it as `--seed {seed}`.")?;
     }
-    let samples = count(samples);
-    writeln!(out, "Sampler \"{sampler}\" \"integer pixelsamples\" [{samples}]")?;
-    integrator(version, scene, samples, out)
+    writeln!(out, "Sampler \"{sampler}\" \"integer pixelsamples\" [{}]", count(samples))
 }
 
 fn integrator(version: Version, scene: &Scene, samples: u32, out: &mut dyn Write) -> io::Result<()> {

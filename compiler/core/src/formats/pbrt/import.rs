@@ -7,14 +7,17 @@ use std::collections::BTreeMap;
 
 use super::names::{self, Version};
 use super::scatter::Known;
+use super::statements::{DEFAULT_SIZE, PLACED};
 use super::text::{Broken, Params, Said, Token, Tokens, unescaped};
 use crate::diag::Origin;
 use crate::files::VPath;
 use crate::formats::shared::number::count;
 use crate::formats::shared::reading::{
-    Emitted, Front, Item, Light, MeshPlace, MeshSource, Model, Paint, Reading, Surface, Use, View, turned,
+    Emitted, Front, Item, Light, MeshPlace, MeshSource, Model, Paint, Part, Reading, Surface, Use, View, turned,
 };
-use crate::formats::shared::source::{self, INCLUDE_DEPTH, LIMIT, REFERENCE, SYNTAX, Source, Text, number, shown};
+use crate::formats::shared::source::{
+    self, INCLUDE_DEPTH, LIMIT, REFERENCE, SYNTAX, Source, Text, UNKNOWN, number, shown,
+};
 use crate::ir::{Affine, Filter, Meaning, Vec3, cross, normalized, sub};
 
 /// How deep attributes may be nested.
@@ -124,7 +127,7 @@ impl Reader {
             let other = |long: f64, short: f64| (2.0 * libm::atan(half * long / short)).to_degrees();
             let (fov_x, fov_y) = if width > height { (other(width, height), fov) } else { (fov, other(height, width)) };
             self.reading.view = View::of_rows(&map, fov_x, fov_y);
-            if self.reading.view.is_none() {
+            if self.reading.view.is_none() && !self.reading.replaced.camera {
                 source.say(SYNTAX, source::whole(main), "the camera has no axes");
             }
         }
@@ -181,6 +184,16 @@ impl Reader {
         tokens: &mut Tokens<'_>,
         to: &mut Said<'_, '_, '_>,
     ) -> Result<(), Broken> {
+        let given = given(to, word);
+        if given && !PLACED.contains(&word) {
+            let loud = to.source.hush(true);
+            to.say(UNKNOWN, at, format!("`{}` is added to the settings", shown(word)));
+            to.source.hush(loud);
+            return skip(tokens);
+        }
+        if given && ["Scale", "LookAt", "Camera"].contains(&word) {
+            self.reading.replaced.camera = true;
+        }
         match word {
             "Identity" => self.state.map = Affine::IDENTITY,
             "Scale" => self.concat(Affine::scaling(row(tokens, at)?)),
@@ -278,20 +291,18 @@ impl Reader {
             "Camera" | "Film" | "PixelFilter" | "Sampler" | "Integrator" | "MakeNamedMaterial" | "Material"
             | "LightSource" | "AreaLightSource" | "Shape" => {
                 let name = string(tokens, at)?;
+                let loud = to.source.hush(given);
                 let params = Params::read(at, tokens, to.source, to.text)?;
                 self.declare(word, &name, &params, to);
+                if given {
+                    self.take(word, &name, &params, to);
+                }
                 params.finish(&format!("`{word}`"), to);
+                to.source.hush(loud);
             }
             _ => {
                 to.unknown(at, "directive", word, DIRECTIVES);
-                // What belongs to it is passed over: the next directive is a word that is no number.
-                while let Some(token) = tokens.peek()? {
-                    if matches!(token, Token::Word(word) if number(word).is_none() && word != "true" && word != "false")
-                    {
-                        break;
-                    }
-                    tokens.next()?;
-                }
+                skip(tokens)?;
             }
         }
         Ok(())
@@ -335,7 +346,7 @@ impl Reader {
                     to.unknown(params.at, "film", name, &[known]);
                 }
                 let (x, y) = (params.integer("xresolution", to), params.integer("yresolution", to));
-                self.reading.film = Some([x.unwrap_or(1280), y.unwrap_or(720)]);
+                self.reading.film = Some([x.unwrap_or(DEFAULT_SIZE[0]), y.unwrap_or(DEFAULT_SIZE[1])]);
                 params.string("filename", to);
                 params.bool("savefp16", to);
             }
@@ -396,12 +407,63 @@ impl Reader {
         }
     }
 
+    /// What a statement of a test case says beyond what ltsc writes itself.
+    fn take(&mut self, word: &str, name: &str, params: &Params<'_>, to: &mut Said<'_, '_, '_>) {
+        let whole = |name: &str, to: &mut Said<'_, '_, '_>| params.numbers(&["integer"], name, Some(4), to);
+        match word {
+            "Film" => {
+                let limit = match self.version {
+                    Version::V3 => "maxsampleluminance",
+                    Version::V4 => "maxcomponentvalue",
+                };
+                self.reading.clamped = params.float(limit, to);
+                let size = self.reading.film.unwrap_or(DEFAULT_SIZE).map(f64::from);
+                let window = params.numbers(&["float"], "cropwindow", Some(4), to);
+                let window = window.map(|x| [0, 1, 2, 3].map(|at| (x[at] * size[at / 2]).ceil()));
+                let bounds = whole("pixelbounds", to).and_then(|x| <[f64; 4]>::try_from(x).ok());
+                if params.has("cropwindow") || params.has("pixelbounds") {
+                    self.reading.part = part(bounds.or(window), size, true);
+                }
+            }
+            "PixelFilter" => {
+                let (x, y) = self.version.names().filter_radius;
+                let equal = params.float(x, to) == params.float(y, to);
+                self.reading.filter = self.reading.filter.take().filter(|_| equal);
+                self.reading.replaced.filter = true;
+            }
+            "Sampler" => self.reading.replaced.sampler = true,
+            "Integrator" => {
+                self.reading.replaced.integrator = true;
+                self.reading.native = Some(name.to_owned()).filter(|_| params.bool("regularize", to) != Some(true));
+                if params.has("maxdepth") && params.integer("maxdepth", to).is_none() {
+                    self.reading.max_depth = None;
+                }
+                // The defaults of the two that count on their own.
+                let counts = match name {
+                    "mlt" => Some(("mutationsperpixel", 100)),
+                    "sppm" => self.version.names().passes.map(|name| (name, 64)),
+                    _ => None,
+                };
+                let passes = counts.map(|(name, default)| params.integer(name, to).unwrap_or(default));
+                self.reading.sampling.passes = passes.map(i64::from);
+                if params.has("pixelbounds") {
+                    let size = self.reading.film.unwrap_or(DEFAULT_SIZE).map(f64::from);
+                    let bounds = whole("pixelbounds", to).and_then(|x| <[f64; 4]>::try_from(x).ok());
+                    let alone = self.reading.part == Part::Whole;
+                    self.reading.part = if alone { part(bounds, size, false) } else { Part::Unknown };
+                }
+            }
+            _ => {}
+        }
+    }
+
     fn integrator(&mut self, name: &str, params: &Params<'_>, to: &mut Said<'_, '_, '_>) {
         let mut known = vec!["path", "bdpt", "mlt", "sppm"];
         known.extend(self.version.names().light_tracing);
         if !known.contains(&name) {
             to.unknown(params.at, "integrator", name, &known);
         }
+        self.reading.native = Some(name.to_owned());
         // Bounces lie between segments.
         self.reading.max_depth = params.integer("maxdepth", to).unwrap_or(5).checked_add(1);
         params.float("rrthreshold", to);
@@ -417,8 +479,9 @@ impl Reader {
         for name in ["lightsampler", "lightsamplestrategy"] {
             params.string(name, to);
         }
+        let given = given(to, "Integrator");
         for name in ["iterations", "mutationsperpixel"] {
-            let samples = params.integer(name, to);
+            let samples = params.integer(name, to).filter(|_| !given);
             self.reading.sampling.samples.extend(samples.map(i64::from));
         }
         if params.bool("regularize", to) == Some(true) {
@@ -540,6 +603,33 @@ impl Reader {
             None => self.reading.items.push(Item::Shape(one)),
         }
     }
+}
+
+/// Whether a statement of a test case stands in this file.
+fn given(to: &Said<'_, '_, '_>, name: &str) -> bool {
+    to.text.path.name() == "settings.pbrt" && to.source.given().find(name).is_some()
+}
+
+/// Passes over what belongs to a directive: the next one is a word that is no number.
+fn skip(tokens: &mut Tokens<'_>) -> Result<(), Broken> {
+    while let Some(token) = tokens.peek()? {
+        if matches!(token, Token::Word(word) if number(word).is_none() && word != "true" && word != "false") {
+            break;
+        }
+        tokens.next()?;
+    }
+    Ok(())
+}
+
+/// The part of an image from the bounds of its columns and rows, each with the first one behind.
+fn part(bounds: Option<[f64; 4]>, [width, height]: [f64; 2], cut: bool) -> Part {
+    let Some([left, right, top, bottom]) = bounds else { return Part::Unknown };
+    let ([left, right], [top, bottom]) =
+        ([left, right].map(|x| x.clamp(0.0, width)), [top, bottom].map(|y| y.clamp(0.0, height)));
+    if left >= right || top >= bottom {
+        return Part::Unknown;
+    }
+    Part::Rectangle { area: [left as u32, top as u32, (right - left) as u32, (bottom - top) as u32], cut }
 }
 
 fn file_of(to: &mut Said<'_, '_, '_>, name: &str) -> Option<VPath> {

@@ -6,11 +6,13 @@ pub mod import;
 pub mod names;
 mod scatter;
 mod spectral;
+mod statements;
 mod text;
 mod uplift;
 
 use super::Target;
 use super::shared::bounds;
+use super::statements::Native;
 use crate::capability::{Feature, Support};
 use names::Version;
 
@@ -28,6 +30,7 @@ pub const PBRT_V4: Target = Target {
     choices: &[],
     emit: |emission, sink| emit::emit(Version::V4, emission, sink),
     import: Some(|main, source| import::import(Version::V4, main, source)),
+    statements: Some(Native { check: |given| statements::check(Version::V4, given), size: statements::size }),
 };
 
 /// PBRT v3.
@@ -44,6 +47,7 @@ pub const PBRT_V3: Target = Target {
     choices: &[],
     emit: |emission, sink| emit::emit(Version::V3, emission, sink),
     import: Some(|main, source| import::import(Version::V3, main, source)),
+    statements: Some(Native { check: |given| statements::check(Version::V3, given), size: statements::size }),
 };
 
 const NO_CLIPPING: Support =

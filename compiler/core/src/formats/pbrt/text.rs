@@ -181,6 +181,11 @@ impl<'t> Params<'t> {
         Some(found)
     }
 
+    /// Whether there is a parameter of this name, of whatever type.
+    pub fn has(&self, name: &str) -> bool {
+        self.list.iter().any(|param| param.name == name)
+    }
+
     /// The byte of a parameter, else of the directive.
     pub fn place(&self, name: &str) -> usize {
         self.list.iter().find(|param| param.name == name).map_or(self.at, |param| param.at)
@@ -289,7 +294,7 @@ impl<'t> Params<'t> {
     }
 
     /// Says what was not asked for.
-    pub fn finish(self, what: &str, to: &mut Said<'_, '_, '_>) {
+    pub fn finish(&self, what: &str, to: &mut Said<'_, '_, '_>) {
         for param in self.list.iter().filter(|param| !param.used.get()) {
             let message = format!("{what} has an unknown parameter `{} {}`", shown(param.kind), shown(param.name));
             to.say(UNKNOWN, param.at, message);

@@ -26,6 +26,14 @@ pub struct Reading {
     pub sampling: Sampling,
     /// The algorithm, by the word of the language; none where the format has no choice.
     pub algorithm: Option<&'static str>,
+    /// The algorithm as the target calls it; none where it has no choice, or does not say.
+    pub native: Option<String>,
+    /// What of the settings was given by statements of a test case.
+    pub replaced: Replaced,
+    /// The largest value that a sample may have; none where there is no limit, and no number where it is not understood.
+    pub clamped: Option<f64>,
+    /// Which part of the image is rendered.
+    pub part: Part,
     /// Photon mapping: the first radius, and the photons of a pass.
     pub photons: (Option<f64>, Option<i64>),
     /// Algorithm and filter of a format that notes them only: they are the scene's own, whatever the target can do.
@@ -57,6 +65,36 @@ pub struct Reading {
     pub findings: Vec<Finding>,
 }
 
+/// Settings that were given by statements of a test case, and are not those of the scene.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Replaced {
+    /// Algorithm and path depth.
+    pub integrator: bool,
+    /// Samples and seed.
+    pub sampler: bool,
+    /// The reconstruction filter.
+    pub filter: bool,
+    /// Where the camera is and what it sees.
+    pub camera: bool,
+}
+
+/// The part of an image that is rendered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Part {
+    /// All of it.
+    #[default]
+    Whole,
+    /// A rectangle.
+    Rectangle {
+        /// Its left and upper edge, its width and height in pixels.
+        area: [u32; 4],
+        /// Whether the image that is written has only these pixels; else the rest is black.
+        cut: bool,
+    },
+    /// What the files say was not understood.
+    Unknown,
+}
+
 /// What a format makes of a seed.
 pub type OfSeed = fn(u32) -> i64;
 
@@ -65,6 +103,8 @@ pub type OfSeed = fn(u32) -> i64;
 pub struct Sampling {
     /// Samples of a pixel, wherever they are said; none where it is not.
     pub samples: Vec<i64>,
+    /// Mutations or passes that a given algorithm counts beside the sampler's samples.
+    pub passes: Option<i64>,
     /// The seed with what the format makes of the Scene's; none where it has none.
     pub seed: Option<(i64, OfSeed)>,
     /// Whether points are those of a Sobol sequence; none where there is no choice.

@@ -2,6 +2,7 @@
 
 use crate::diag::{Finding, Origin};
 use crate::files::{Bytes, Files, VPath};
+use crate::formats::statements::{NONE, Statements};
 
 /// A reader was given something that is not written as its format asks for.
 pub const SYNTAX: &str = "foreign-syntax";
@@ -30,6 +31,9 @@ pub struct Source<'f> {
     left: u64,
     findings: Vec<Finding>,
     more: bool,
+    given: &'f Statements,
+    hushed: bool,
+    passed: Vec<Finding>,
 }
 
 /// A text with its path, for places.
@@ -58,7 +62,24 @@ pub fn whole(path: &VPath) -> Origin {
 impl<'f> Source<'f> {
     /// Reads from `files`.
     pub fn new(files: &'f dyn Files) -> Self {
-        Self { files, opened: 0, left: MOST_BYTES, findings: Vec::new(), more: false }
+        Self::with(files, &NONE)
+    }
+
+    /// Reads from `files` what was written with statements of a test case.
+    pub fn with(files: &'f dyn Files, given: &'f Statements) -> Self {
+        let (findings, passed) = (Vec::new(), Vec::new());
+        Self { files, opened: 0, left: MOST_BYTES, findings, more: false, given, hushed: false, passed }
+    }
+
+    /// The statements of a test case.
+    pub fn given(&self) -> &'f Statements {
+        self.given
+    }
+
+    /// From here on, findings are about a statement of a test case: what is not understood in it passes through. Gives what was
+    /// so far.
+    pub fn hush(&mut self, hushed: bool) -> bool {
+        std::mem::replace(&mut self.hushed, hushed)
     }
 
     /// The bytes of a file that is named at `origin`.
@@ -98,6 +119,12 @@ impl<'f> Source<'f> {
 
     /// Adds a finding with all that it has.
     pub fn add(&mut self, finding: Finding) {
+        if self.hushed {
+            if self.passed.len() < MOST_FINDINGS {
+                self.passed.push(finding);
+            }
+            return;
+        }
         if self.findings.len() < MOST_FINDINGS {
             self.findings.push(finding);
         } else if !self.more {
@@ -115,6 +142,11 @@ impl<'f> Source<'f> {
     /// What was found.
     pub fn finish(self) -> Vec<Finding> {
         self.findings
+    }
+
+    /// What was found, and what of statements of a test case was not understood.
+    pub fn finish_all(self) -> (Vec<Finding>, Vec<Finding>) {
+        (self.findings, self.passed)
     }
 }
 

@@ -28,6 +28,7 @@ pub const TOY: Target = Target {
     choices: &[],
     emit,
     import: None,
+    statements: None,
 };
 
 const COLOUR: Support = Support::approximate("a surface is one color", "what it reflects at normal incidence");
@@ -103,7 +104,7 @@ fn supports(feature: Feature) -> Support {
 }
 
 fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
-    let Emission { scene, camera, meshes: folder, textures: _, choices: _ } = emission;
+    let Emission { scene, camera, meshes: folder, textures: _, choices: _, statements: _ } = emission;
     let scene: &Scene = scene;
     text::file(sink, &TOY.main_file_of(&scene.name), |out| {
         writeln!(out, "# {}", Line(&Head { scene: &scene.name, target: TOY.name }.to_string()))?;

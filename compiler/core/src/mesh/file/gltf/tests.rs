@@ -211,8 +211,14 @@ fn what_our_own_writer_writes_is_read_back() {
     let scene = crate::valid::validate(crate::formats::shared::sample::room()).expect("a valid scene");
     let (camera, _) = scene.cameras.iter().next().expect("a camera");
     let choices = crate::formats::Choices::default();
-    let emission =
-        crate::formats::Emission { scene: &scene, camera, meshes: "meshes/", textures: "textures/", choices: &choices };
+    let emission = crate::formats::Emission {
+        scene: &scene,
+        camera,
+        meshes: "meshes/",
+        textures: "textures/",
+        choices: &choices,
+        statements: &crate::formats::statements::NONE,
+    };
     for name in ["gltf", "glb"] {
         let mut sink = MemorySink::default();
         let target = crate::formats::find(name).expect("a target");
