@@ -77,7 +77,7 @@ fn a_rendering_that_is_killed_goes_on_and_more_samples_need_only_the_rest() {
     child.kill().expect("killed");
     child.wait().expect("ended");
     let (before, called) = (stage.chunks(), stage.calls() as u64);
-    assert!(before >= 3 && before < 16, "{before} chunks");
+    assert!((3..16).contains(&before), "{before} chunks");
     let ran = run(&mut stage.render(16_384, "a.exr"));
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     assert!(ran.err.contains(&format!("{before} of 16 chunks of 1024 samples were there from before")), "{}", ran.err);

@@ -215,7 +215,7 @@ pub fn neutral_settings<'v>(
             Value::String(word) => Setting::Word(word),
             Value::Bool(_) | Value::List(_) => Setting::Other,
         };
-        findings.extend(overrides.give(name, setting, origin).err());
+        findings.extend(overrides.give(name, setting, origin).err().map(|finding| *finding));
     }
     if findings.is_empty() { Ok(overrides) } else { Err(findings) }
 }

@@ -3,6 +3,7 @@
 use super::tests::{camera, full, written};
 use super::*;
 use crate::files::MemoryFiles;
+use crate::formats::effective::Effective;
 use crate::formats::shared::reading::{Clip, Light, Paint, Picture, View};
 use crate::formats::{self, shared::sample};
 use crate::ir::{Color, ColorOrTexture, Encoding, Filter, ImageFormat, Integrator, LightKind, LightSource, Sampler};
@@ -35,6 +36,7 @@ pub(super) fn found(scene: &Valid, target: &str, change: impl FnOnce(&mut Readin
         max_depth: None,
         fov_x: None,
         film: None,
+        effective: Effective::default(),
         lost: Vec::new(),
         findings: Vec::new(),
     };

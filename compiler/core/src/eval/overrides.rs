@@ -48,7 +48,7 @@ impl Overrides {
     ///
     /// # Errors
     /// There is no such setting, or it cannot have this value.
-    pub fn give(&mut self, name: &str, value: Setting<'_>, origin: &Origin) -> Result<(), Finding> {
+    pub fn give(&mut self, name: &str, value: Setting<'_>, origin: &Origin) -> Result<(), Box<Finding>> {
         let wrong = |message: String| Finding::error("invalid-setting", origin.clone(), message);
         let count = |least: u32| match value {
             Setting::Number(number)
@@ -57,7 +57,7 @@ impl Overrides {
                 Ok(Some(number as u32))
             }
             Setting::Number(_) | Setting::Word(_) | Setting::Other => {
-                Err(wrong(format!("the setting `{name}` is no whole number of at least {least}")))
+                Err(Box::new(wrong(format!("the setting `{name}` is no whole number of at least {least}"))))
             }
         };
         let word = |known: &[&'static str]| match value {
@@ -65,16 +65,17 @@ impl Overrides {
                 Some(known) => Ok(Some(*known)),
                 None => {
                     let finding = wrong(format!("the setting `{name}` cannot be `{word}`"));
-                    Err(finding.help(match nearest(word, known.iter().copied()) {
+                    Err(Box::new(finding.help(match nearest(word, known.iter().copied()) {
                         Some(near) => format!("did you mean `{near}`?"),
                         None => {
-                            format!("known are {}; what only one renderer has is a native parameter", known.join(", "))
+                            format!("known: {}; what only one renderer has is a native parameter", known.join(", "))
                         }
-                    }))
+                    })))
                 }
             },
             Setting::Number(_) | Setting::Other => {
-                Err(wrong(format!("the setting `{name}` is no word")).help(format!("known are {}", known.join(", "))))
+                let finding = wrong(format!("the setting `{name}` is no word"));
+                Err(Box::new(finding.help(format!("known: {}", known.join(", ")))))
             }
         };
         match name {
@@ -88,10 +89,10 @@ impl Overrides {
             "filter" => self.filter = word(&Filter::WORDS)?.and_then(Filter::of_word),
             _ => {
                 let finding = wrong(format!("there is no setting `{name}`"));
-                return Err(finding.help(match nearest(name, SETTINGS) {
+                return Err(Box::new(finding.help(match nearest(name, SETTINGS) {
                     Some(near) => format!("did you mean `{near}`?"),
-                    None => format!("known are {}", SETTINGS.join(", ")),
-                }));
+                    None => format!("known: {}", SETTINGS.join(", ")),
+                })));
             }
         }
         Ok(())
@@ -133,7 +134,7 @@ impl Overrides {
 mod tests {
     use super::*;
 
-    fn given(settings: &[(&str, Setting<'_>)]) -> Result<Overrides, Finding> {
+    fn given(settings: &[(&str, Setting<'_>)]) -> Result<Overrides, Box<Finding>> {
         let mut overrides = Overrides::default();
         settings.iter().try_for_each(|(name, value)| overrides.give(name, *value, &Origin::Made))?;
         Ok(overrides)
@@ -171,7 +172,7 @@ mod tests {
         };
         assert_eq!(wrong("max_dept", Setting::Number(1.0)).1, "did you mean `max_depth`?");
         assert_eq!(wrong("integrator", Setting::Word("pat")).1, "did you mean `path`?");
-        assert!(wrong("integrator", Setting::Word("vpl")).1.starts_with("known are path, bidirectional"));
+        assert!(wrong("integrator", Setting::Word("vpl")).1.starts_with("known: path, bidirectional"));
         for (name, value) in [
             ("samples", Setting::Number(0.0)),
             ("samples", Setting::Number(1.5)),

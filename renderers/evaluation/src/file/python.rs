@@ -310,6 +310,9 @@ struct Parser<'t> {
 
 type Problem = (Span, String);
 
+/// An entry of a dictionary.
+type Entry = (At<Python>, At<Python>);
+
 impl Parser<'_> {
     fn peek(&self) -> Option<&Word> {
         self.tokens.get(self.at).map(|token| &token.word)
@@ -499,8 +502,8 @@ impl Parser<'_> {
     }
 
     /// The entries of a dictionary; the last value of a key counts, in the place of the first.
-    fn entries(&mut self) -> Result<Vec<(At<Python>, At<Python>)>, Problem> {
-        let mut found: Vec<(At<Python>, At<Python>)> = Vec::new();
+    fn entries(&mut self) -> Result<Vec<Entry>, Problem> {
+        let mut found: Vec<Entry> = Vec::new();
         let mut places: BTreeMap<String, usize> = BTreeMap::new();
         loop {
             if self.sign('}') {

@@ -5,8 +5,8 @@ use super::written::{MOST_VALUES, WrittenSweep};
 
 /// A value of a scene's parameter as the text of an expression.
 pub(super) fn expression(item: &Item<'_>, reader: &mut Reader) -> Option<String> {
-    if let Some(text) = item.as_str() {
-        return Some(item.word(reader).is_some().then(|| text.to_owned())?);
+    if item.as_str().is_some() {
+        return item.word(reader).map(|text| text.value);
     }
     if let Some(value) = item.as_bool() {
         return Some(value.to_string());
