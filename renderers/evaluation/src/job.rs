@@ -14,7 +14,7 @@ use ltsc_render::cache::CachePaths;
 use ltsc_render::env::Env;
 use ltsc_render::guard::Folder;
 use ltsc_render::run::{
-    DRIVERS, Driver, Found, Progress, RenderError, RenderRequest, Rendered, Search, driver, find, render,
+    DRIVERS, Driver, Found, Progress, RenderError, RenderRequest, Rendered, Search, Source, driver, find, render,
 };
 
 use crate::disk::{DiskSink, Manifest, no_temporary, unwritable};
@@ -72,6 +72,16 @@ pub fn lacks(driver: &Driver, scene: &Scene) -> bool {
 }
 
 impl Runner {
+    /// A program that is not asked for its version before it renders, because it takes a second to answer. What it renders is not known by
+    /// its version, so that nothing of it is to be kept.
+    #[must_use]
+    pub fn unasked(driver: &'static Driver, program: &Path, timeout: Option<Duration>) -> Self {
+        let env = Env::of_process();
+        let cache = CachePaths::find(&env);
+        let found = Found { path: program.to_path_buf(), version: String::new(), source: Source::Given };
+        Self { driver, found, threads: None, timeout, env, cache }
+    }
+
     /// Finds the renderer: what is `given`, what is `configured`, an installation, or one on the path.
     /// It answers within `timeout`, which each image also has.
     ///

@@ -32,9 +32,9 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
     if exit != Exit::Done {
         return Ok(exit);
     }
-    let runner = runner(command, driver, &scene)?;
     let (samples, seed) = (scene.scene.sampler.samples(), scene.scene.sampler.seed());
     let plan = plan_of_one(driver, u64::from(samples));
+    let runner = runner(command, driver, plan, &scene)?;
     if plan.count > 1 {
         // What is written tells the chunks apart by nothing but what the driver sets.
         scene.scene.set_sampling(plan.samples, 0);
@@ -137,12 +137,15 @@ fn check_algorithm(driver: &Driver, scene: &Scene) -> Result<(), Failure> {
 }
 
 /// The renderer, which answers and renders within the time that is given.
-fn runner(command: &Render, driver: &'static Driver, scene: &One) -> Result<Runner, Failure> {
+fn runner(command: &Render, driver: &'static Driver, plan: Plan, scene: &One) -> Result<Runner, Failure> {
     let given = command.executable.as_deref();
     let configured = if given.is_none() { scene.project.program(driver.name)? } else { None };
     let begun = Instant::now();
     let timeout = command.timeout.map(Duration::from_secs);
-    let found = Runner::find(driver, given, configured, timeout)?;
+    let found = match given.or(configured).filter(|_| plan.count == 1 && !driver.asks_named) {
+        Some(program) => Runner::unasked(driver, program, timeout),
+        None => Runner::find(driver, given, configured, timeout)?,
+    };
     let left = timeout.map(|timeout| timeout.saturating_sub(begun.elapsed()));
     Ok(Runner { threads: command.threads.map(|threads| threads as usize), timeout: left, ..found })
 }
