@@ -28,7 +28,6 @@ pub const BEYOND_TEXT: &[(&str, &str)] = &[
     ("evaluation-value", "an evaluation file: see `file` in renderers/evaluation"),
     ("lteval-paths", "a configuration of lteval: see `file` in renderers/evaluation"),
     ("lteval-unread", "a configuration of lteval: see `file` in renderers/evaluation"),
-    ("invalid-setting", "a neutral setting of a test case: see the unit tests of `overrides`"),
     ("invalid-statement", "native statements and neutral settings of a test case: see `statements`"),
     ("misspelled-statement", "native statements and neutral settings of a test case: see `statements`"),
     ("no-statements", "native statements and neutral settings of a test case: see `statements`"),

@@ -126,3 +126,32 @@ fn a_renderer_that_fails_leaves_what_was_rendered_and_its_log() {
     let ran = run(&mut stage.render(10_000, "b.exr"));
     assert_eq!((ran.code, stage.chunks()), (Some(0), 10), "{}", ran.err);
 }
+
+/// The files of all chunks, sorted.
+fn files(stage: &Stage) -> Vec<PathBuf> {
+    let all = super::files_below(&stage.path("cache")).into_iter().filter(|path| path.ends_with(".exr"));
+    all.map(|path| stage.path("cache").join(path)).collect()
+}
+
+#[test]
+fn a_chunk_that_is_damaged_is_rendered_again_or_named() {
+    let stage = Stage::new();
+    assert_eq!(run(&mut stage.render(8192, "a.exr")).code, Some(0));
+    let chunks = files(&stage);
+    assert_eq!(chunks.len(), 8);
+    // Without its header a file is no chunk.
+    fs::write(&chunks[0], "").expect("written");
+    fs::write(&chunks[1], "garbage \" '").expect("written");
+    let ran = run(&mut stage.render(8192, "b.exr"));
+    assert_eq!((ran.code, stage.calls()), (Some(0), 10), "{}", ran.err);
+    // Where the pixels alone are lost, the file is named.
+    let whole = fs::read(&chunks[2]).expect("a chunk");
+    fs::write(&chunks[2], &whole[..whole.len() - 40]).expect("written");
+    let ran = run(&mut stage.render(8192, "c.exr"));
+    let name = chunks[2].file_name().expect("a name").to_string_lossy().into_owned();
+    assert_eq!(ran.code, Some(4), "{}", ran.err);
+    assert!(ran.err.contains(&name) && ran.err.contains("it is rendered again"), "{}", ran.err);
+    assert!(!stage.path("c.exr").exists());
+    fs::remove_file(&chunks[2]).expect("removed");
+    assert_eq!(run(&mut stage.render(8192, "c.exr")).code, Some(0));
+}

@@ -144,7 +144,7 @@ fn the_page_has_every_key() {
         let unknown = findings.iter().find(|finding| finding.id == "evaluation-key");
         let help =
             unknown.and_then(|finding| finding.help.as_deref()).unwrap_or_else(|| panic!("{text}\n{findings:?}"));
-        let known = help.strip_prefix("known are ").unwrap_or_else(|| panic!("{help}"));
+        let known = help.strip_prefix("known: ").unwrap_or_else(|| panic!("{help}"));
         for key in known.split(", ") {
             let named = page.contains(&format!("| `{key}` |"))
                 || page.contains(&format!("`{key}`"))

@@ -41,7 +41,7 @@ fn cases_get_the_form_that_is_expected() {
 
 #[test]
 fn everything_has_one_form_and_means_the_same_in_it() {
-    let mut parsed = 0;
+    let (mut parsed, mut mangled) = (0, 0);
     let mut scenes = 0;
     for folder in [root().join("scenes-src"), root().join("tests/cases")] {
         let all: Vec<String> = files_below(&folder);
@@ -59,8 +59,16 @@ fn everything_has_one_form_and_means_the_same_in_it() {
                     changed += 1;
                     assert_eq!(formatted(path, made).as_ref(), Some(made), "{path} has two forms");
                     texts.push(path);
-                } else if made.contains("\nuse ") {
-                    texts.push(path);
+                } else {
+                    // Without its indentation it gets the same form, and so means the same.
+                    let bare: String = made.lines().map(|line| line.trim_start().to_owned() + "\n").collect();
+                    if bare != *made {
+                        assert_eq!(formatted(path, &bare).as_ref(), Some(made), "{path} without indentation");
+                        mangled += 1;
+                    }
+                    if made.contains("\nuse ") {
+                        texts.push(path);
+                    }
                 }
             }
             after.insert(path, made.map_or_else(|| bytes.clone(), String::into_bytes));
@@ -80,7 +88,7 @@ fn everything_has_one_form_and_means_the_same_in_it() {
             assert!(same, "{path} is another scene when it is formatted");
         }
     }
-    assert!(parsed >= 30 && scenes >= 3, "{parsed} texts, {scenes} scenes");
+    assert!(parsed >= 30 && mangled >= 30 && scenes >= 3, "{parsed} texts, {mangled} mangled, {scenes} scenes");
 }
 
 /// Whether two scenes are equal but for the places that their items come from.

@@ -87,10 +87,10 @@ fn prepare(state: State, folder: &Path, old: &Path) {
     }
 }
 
-/// Kills builds at random moments: 12 times, 1000 times with `LTSC_THOROUGH`.
+/// Kills builds at random moments: 24 times, 1000 times with `LTSC_THOROUGH`.
 #[test]
 fn a_killed_build_leaves_the_old_or_the_new_and_the_next_one_goes_on() {
-    let rounds = if std::env::var_os("LTSC_THOROUGH").is_some() { 1000 } else { 12 };
+    let rounds = if std::env::var_os("LTSC_THOROUGH").is_some() { 1000 } else { 24 };
     let (old, new) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
     project(old.path(), true);
     project(new.path(), false);

@@ -5,10 +5,10 @@ use std::io;
 
 use crate::audit::{self, Asked, Audited, Meshes};
 use crate::diag::{FileId, Finding, Origin, Severity, Sources, Suppression};
-use crate::eval::{self, Allow, Evaluated, Overrides, SceneParameter, Setting};
+use crate::eval::{self, Allow, Evaluated, Overrides, SceneParameter};
 use crate::files::{Bytes, Files, Sink, VPath};
 use crate::fix;
-use crate::formats::statements::{self, Statements, Value};
+use crate::formats::statements::{self, Statements};
 use crate::formats::{self, Choices, Emission, Target};
 use crate::ir::{Camera, Handle, Scene, Scenes};
 use crate::ledger::{self, Ledger};
@@ -196,28 +196,6 @@ pub fn prepare(scene: Scene) -> Result<(Valid, Vec<Finding>), Vec<Finding>> {
             Err(findings)
         }
     }
-}
-
-/// Neutral settings of a test case, such as `{ integrator = "path", max_depth = 10 }`, for [`override_settings`] or [`Options`].
-///
-/// # Errors
-/// Settings that there are not, and values that they cannot have.
-pub fn neutral_settings<'v>(
-    settings: impl IntoIterator<Item = (&'v str, &'v Value)>,
-    origin: &Origin,
-) -> Result<Overrides, Vec<Finding>> {
-    let mut overrides = Overrides::default();
-    let mut findings = Vec::new();
-    for (name, value) in settings {
-        let setting = match value {
-            Value::Integer(number) => Setting::Number(*number as f64),
-            Value::Float(number) => Setting::Number(*number),
-            Value::String(word) => Setting::Word(word),
-            Value::Bool(_) | Value::List(_) => Setting::Other,
-        };
-        findings.extend(overrides.give(name, setting, origin).err().map(|finding| *finding));
-    }
-    if findings.is_empty() { Ok(overrides) } else { Err(findings) }
 }
 
 /// The scene with other settings.

@@ -79,17 +79,25 @@ pub fn read(path: &Path) -> Result<(Image, Attributes), ImageError> {
 pub fn attributes(path: &Path) -> Result<Attributes, ImageError> {
     use std::io::Read;
     let fault = |source| ImageError::Io { path: path.to_owned(), source };
-    let (file, _) = regular::open(path).map_err(fault)?;
+    let (mut file, _) = regular::open(path).map_err(fault)?;
     let mut bytes = Vec::new();
-    file.take(HEADER).read_to_end(&mut bytes).map_err(fault)?;
-    if !bytes.starts_with(&attributes::MAGIC) {
-        return Ok(Vec::new());
+    // Nearly every header ends within the first part.
+    for part in HEADERS {
+        let before = bytes.len() as u64;
+        (&mut file).take(part - before).read_to_end(&mut bytes).map_err(fault)?;
+        if !bytes.starts_with(&attributes::MAGIC) {
+            return Ok(Vec::new());
+        }
+        match exr_read::texts(&bytes) {
+            Err(_) if bytes.len() as u64 == part && part < HEADERS[1] => {}
+            done => return done.map_err(|fault| fault.at(path)),
+        }
     }
-    exr_read::texts(&bytes).map_err(|fault| fault.at(path))
+    Ok(Vec::new())
 }
 
-/// The most bytes of a header that is read by itself.
-const HEADER: u64 = 1 << 20;
+/// The most bytes of a header that is read by itself, and of its first part.
+const HEADERS: [u64; 2] = [1 << 14, 1 << 20];
 
 /// The same as [`read`], and where its pixels lie.
 ///

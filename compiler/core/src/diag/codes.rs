@@ -164,10 +164,6 @@ pub const CODES: &[Code] = &[
     ),
     code("invalid-sampler", "A sampler takes no samples."),
     code("invalid-scene", "A scene has nothing to render: no shape, no camera, or an image without pixels."),
-    code(
-        "invalid-setting",
-        "A neutral setting of a test case is none, or has a value that it cannot have.\nThey are `integrator`, `max_depth`, `samples`, `seed`, `sampler`, `filter`, `width` and `height`, with the words of the language:\n`settings = { integrator = \"path\", max_depth = 10, samples = 256, filter = \"box\" }`. What only one renderer has is a native parameter.",
-    ),
     code("invalid-shape", "A shape names a mesh or a material that the scene does not have."),
     code(
         "invalid-statement",

@@ -656,6 +656,9 @@ impl Interpreter<'_> {
     }
 }
 
+/// The most triangles of a mesh that is made only to hear of more errors.
+const MADE_FOR_FINDINGS: u64 = 1 << 16;
+
 /// What is wrong with the arguments of a call beside `first`: it is made again without each argument that is wrong, which has its
 /// default then. Calls that read files or call functions are not made again.
 fn further(row: &Constructor, args: &Args, first: &table::Problem, site: &mut Site<'_>) -> Vec<table::Detail> {
@@ -669,18 +672,25 @@ fn further(row: &Constructor, args: &Args, first: &table::Problem, site: &mut Si
     let mut wrong: Vec<&str> = Vec::new();
     let mut rest = Args { params: args.params, values: args.values.clone() };
     let mut at = first.0.at;
+    // Nothing is to be made but findings.
+    let triangles = site.triangles;
+    site.triangles = triangles.min(MADE_FOR_FINDINGS);
     // A problem without an argument, or with one that is left out already, has no other behind it that could be told apart.
     while let Some(name) = at.filter(|name| !wrong.contains(name)) {
         wrong.push(name);
         let Some(place) = row.params.iter().position(|param| param.name == name) else { break };
         rest.values[place] = None;
         let Err(table::Problem(next)) = (row.build)(&rest, site) else { break };
+        if next.id == "triangle-limit" {
+            break;
+        }
         at = next.at;
         if next.id != table::REPORTED && next.at.is_some_and(|name| !wrong.contains(&name) && rest.get(name).is_some())
         {
             found.push(*next);
         }
     }
+    site.triangles = triangles;
     found
 }
 

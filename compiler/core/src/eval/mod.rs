@@ -30,7 +30,7 @@ use crate::files::{Files, VPath};
 use crate::ir::{Affine, Arena, Documentation, Scene, Texture};
 
 pub use limits::{Limit, Limits, parse_amount};
-pub use overrides::{Overrides, Setting};
+pub use overrides::Overrides;
 pub use synonyms::any as synonym;
 pub use table::{Constructor, Family, Parameter, table};
 pub use value::Ty;

@@ -90,11 +90,6 @@ impl Parameter {
             _ => None,
         })
     }
-
-    /// Whether `other` takes its place: by the name, and by the type where both say one.
-    fn is_replaced_by(&self, other: &Self) -> bool {
-        self.name == other.name && (self.kind == other.kind || self.kind.is_none() || other.kind.is_none())
-    }
 }
 
 /// What a target calls the types of values.
@@ -203,11 +198,27 @@ impl Statements {
 }
 
 fn set(parameters: &mut Vec<Parameter>, one: Parameter) {
-    match parameters.iter_mut().find(|known| known.is_replaced_by(&one)) {
+    let known = parameters.iter().map(|known| (known.name.as_str(), known.kind.as_deref()));
+    match replaced(known, &one.name, one.kind.as_deref()) {
         // The type that was said stays said.
-        Some(known) => *known = Parameter { kind: one.kind.or_else(|| known.kind.take()), ..one },
+        Some(at) => parameters[at] = Parameter { kind: one.kind.or_else(|| parameters[at].kind.take()), ..one },
         None => parameters.push(one),
     }
+}
+
+/// Which of the `known` parameters, each with its name and type, another one takes the place of: without a type the last one of its name,
+/// with a type the one of that type, or of none.
+pub fn replaced<'p>(
+    known: impl DoubleEndedIterator<Item = (&'p str, Option<&'p str>)> + ExactSizeIterator,
+    name: &str,
+    kind: Option<&str>,
+) -> Option<usize> {
+    let mut known = known.enumerate();
+    let found = match kind {
+        None => known.rfind(|(_, (other, _))| *other == name),
+        Some(kind) => known.find(|(_, (other, own))| *other == name && own.is_none_or(|own| own == kind)),
+    };
+    found.map(|(at, _)| at)
 }
 
 impl FromIterator<Statement> for Statements {

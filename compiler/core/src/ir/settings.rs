@@ -145,20 +145,6 @@ pub enum Sampler {
     },
 }
 
-impl Filter {
-    /// The words of all.
-    pub const WORDS: [&str; 2] = ["box", "gaussian"];
-
-    /// The filter of a word, as wide as the language makes it where nothing more is said.
-    pub fn of_word(word: &str) -> Option<Self> {
-        match word {
-            "box" => Some(Self::Box { radius: 0.5 }),
-            "gaussian" => Some(Self::Gaussian { stddev: 0.5, radius: 2.0 }),
-            _ => None,
-        }
-    }
-}
-
 impl Sampler {
     /// The words of all.
     pub const WORDS: [&str; 2] = ["independent", "sobol"];
@@ -169,15 +155,6 @@ impl Sampler {
             "independent" => Some(Self::Independent { samples, seed }),
             "sobol" => Some(Self::Sobol { samples, seed }),
             _ => None,
-        }
-    }
-
-    /// The same sampler with other numbers.
-    pub fn set(&mut self, new_samples: u32, new_seed: u32) {
-        match self {
-            Self::Independent { samples, seed } | Self::Sobol { samples, seed } => {
-                (*samples, *seed) = (new_samples, new_seed);
-            }
         }
     }
 

@@ -52,7 +52,7 @@ impl Valid {
 
     /// Lets it be rendered with other samples, at least one, and another seed, which makes no scene invalid.
     pub fn set_sampling(&mut self, samples: u32, seed: u32) {
-        self.0.sampler.set(samples.max(1), seed);
+        self.0.sampler = self.0.sampler.with(samples.max(1), seed);
     }
 }
 

@@ -100,11 +100,11 @@ impl Store {
     ) -> Result<Option<Facts>, Failure> {
         let identity = job.identity();
         let path = self.path(&identity, samples, seed);
-        if path.is_file() {
+        if is_chunk(&path, &identity) {
             return Ok(None);
         }
         let _lock = self.lock(&job.key(samples, seed)).map_err(|error| unwritable(&self.root, &error))?;
-        if path.is_file() {
+        if is_chunk(&path, &identity) {
             return Ok(None);
         }
         let folder = path.parent().unwrap_or(&self.root);
@@ -191,6 +191,12 @@ impl Store {
         }
         Ok(removed)
     }
+}
+
+/// Whether a file is a chunk, by its header: one that a failing disk has left empty or foreign is rendered again.
+fn is_chunk(path: &Path, identity: &str) -> bool {
+    let Ok(header) = ltsc_render::image::attributes(path) else { return false };
+    Provenance::from_attributes(&header).scene_hash == identity
 }
 
 /// The folders in one, sorted; none if it is not there.

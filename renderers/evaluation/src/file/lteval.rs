@@ -297,9 +297,9 @@ impl Reading {
     fn value(&mut self, value: &At<Python>) -> Option<Value> {
         Some(match &value.value {
             Python::Bool(value) => Value::Bool(*value),
-            Python::Int(value) => Value::Int(*value),
+            Python::Int(value) => Value::Integer(*value),
             Python::Float(value) => Value::Float(*value),
-            Python::Text(text) => Value::Text(text.clone()),
+            Python::Text(text) => Value::String(text.clone()),
             Python::List(values) if !values.is_empty() => {
                 let values: Vec<Option<Value>> = values.iter().map(|value| self.value(value)).collect();
                 Value::List(values.into_iter().collect::<Option<_>>()?)
@@ -336,10 +336,10 @@ fn untype(parameters: &mut Parameters, typed: &Typed) {
             let one = typed.get(&key).is_some_and(|kinds| kinds.len() == 1);
             let follows = match (&parameter.value, parameter.kind.as_deref()) {
                 (Value::Bool(_), Some("boolean" | "bool"))
-                | (Value::Int(_), Some("integer"))
+                | (Value::Integer(_), Some("integer"))
                 | (Value::Float(_), Some("float"))
-                | (Value::Text(_), Some("string")) => true,
-                (Value::Bool(_) | Value::Int(_) | Value::Float(_) | Value::Text(_) | Value::List(_), _) => false,
+                | (Value::String(_), Some("string")) => true,
+                (Value::Bool(_) | Value::Integer(_) | Value::Float(_) | Value::String(_) | Value::List(_), _) => false,
             };
             if one && follows && parameter.name != "type" {
                 parameter.kind = None;

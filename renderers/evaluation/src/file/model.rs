@@ -4,8 +4,10 @@ use std::fmt;
 use std::time::Duration;
 
 use ltsc_core::diag::Span;
+use ltsc_core::eval::Overrides;
 use ltsc_core::formats::Target;
-use ltsc_core::ir::{Film, Filter, Integrator, Sampler, Scene};
+pub use ltsc_core::formats::statements::Value;
+use ltsc_core::ir::Filter;
 use ltsc_render::run::Driver;
 
 use super::command::Command;
@@ -193,108 +195,23 @@ impl PartialEq for Parameter {
     }
 }
 
-/// The value of a native parameter.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Value {
-    /// `true` or `false`.
-    Bool(bool),
-    /// An integer.
-    Int(i64),
-    /// A number with a point or an exponent.
-    Float(f64),
-    /// A string.
-    Text(String),
-    /// Several values.
-    List(Vec<Value>),
-}
-
 /// Neutral settings, translated for each target; what is none is the scene's.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings {
-    /// The algorithm: the name of its constructor in scenes.
-    pub integrator: Option<At<Algorithm>>,
+    /// The algorithm: the name of its constructor in scenes, one of [`WORDS`](ltsc_core::ir::Integrator::WORDS).
+    pub integrator: Option<At<&'static str>>,
     /// The largest number of segments of a path.
     pub max_depth: Option<At<u32>>,
     /// Samples per pixel of a whole image, all its chunks together.
     pub samples: Option<At<u32>>,
-    /// The points that are sampled.
-    pub sampler: Option<At<Points>>,
+    /// The points that are sampled: the name of the sampler in scenes, one of [`WORDS`](ltsc_core::ir::Sampler::WORDS).
+    pub sampler: Option<At<&'static str>>,
     /// The reconstruction filter.
     pub filter: Option<At<Filter>>,
     /// Width and height in pixels.
     pub size: Option<At<(u32, u32)>>,
     /// The seed of the first chunk.
     pub seed: Option<At<u32>>,
-}
-
-/// A light transport algorithm without its depth.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Algorithm {
-    /// [`Integrator::Path`].
-    Path,
-    /// [`Integrator::Bidirectional`].
-    Bidirectional,
-    /// [`Integrator::LightTracing`].
-    LightTracing,
-    /// [`Integrator::Metropolis`].
-    Metropolis,
-    /// [`Integrator::PhotonMap`].
-    PhotonMap,
-}
-
-/// A sampler without its numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Points {
-    /// [`Sampler::Independent`].
-    Independent,
-    /// [`Sampler::Sobol`].
-    Sobol,
-}
-
-impl Algorithm {
-    /// All of them.
-    pub const ALL: [Self; 5] = [Self::Path, Self::Bidirectional, Self::LightTracing, Self::Metropolis, Self::PhotonMap];
-
-    /// The algorithm with a depth.
-    #[must_use]
-    pub fn with_max_depth(self, max_depth: u32) -> Integrator {
-        match self {
-            Self::Path => Integrator::Path { max_depth },
-            Self::Bidirectional => Integrator::Bidirectional { max_depth },
-            Self::LightTracing => Integrator::LightTracing { max_depth },
-            Self::Metropolis => Integrator::Metropolis { max_depth },
-            Self::PhotonMap => Integrator::PhotonMap { max_depth },
-        }
-    }
-
-    /// Its name in scenes and evaluations.
-    #[must_use]
-    pub fn word(self) -> &'static str {
-        self.with_max_depth(1).word()
-    }
-}
-
-impl Points {
-    /// All of them.
-    pub const ALL: [Self; 2] = [Self::Independent, Self::Sobol];
-
-    /// The sampler with its numbers.
-    #[must_use]
-    pub fn with(self, samples: u32, seed: u32) -> Sampler {
-        match self {
-            Self::Independent => Sampler::Independent { samples, seed },
-            Self::Sobol => Sampler::Sobol { samples, seed },
-        }
-    }
-
-    /// Its name in scenes and evaluations.
-    #[must_use]
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Independent => "independent",
-            Self::Sobol => "sobol",
-        }
-    }
 }
 
 impl Settings {
@@ -319,26 +236,20 @@ impl Settings {
         *self == Self::default()
     }
 
-    /// Puts them in the place of the scene's own.
-    pub fn apply(&self, scene: &mut Scene) {
+    /// What they put in the place of the scene's own.
+    #[must_use]
+    pub fn overrides(&self) -> Overrides {
         let Self { integrator, max_depth, samples, sampler, filter, size, seed } = self;
-        let depth = max_depth.map_or(scene.integrator.max_depth(), |depth| depth.value);
-        scene.integrator = match integrator {
-            Some(integrator) => integrator.value.with_max_depth(depth),
-            None => scene.integrator.with_max_depth(depth),
-        };
-        let samples = samples.map_or(scene.sampler.samples(), |samples| samples.value);
-        let seed = seed.map_or(scene.sampler.seed(), |seed| seed.value);
-        scene.sampler = match sampler {
-            Some(sampler) => sampler.value.with(samples, seed),
-            None => scene.sampler.with(samples, seed),
-        };
-        let Film { width, height, filter: own } = &mut scene.film;
-        if let Some(size) = size {
-            (*width, *height) = size.value;
-        }
-        if let Some(filter) = filter {
-            *own = filter.value.clone();
+        Overrides {
+            width: size.map(|size| size.value.0),
+            height: size.map(|size| size.value.1),
+            samples: samples.map(|samples| samples.value),
+            seed: seed.map(|seed| seed.value),
+            max_depth: max_depth.map(|depth| depth.value),
+            integrator: integrator.map(|integrator| integrator.value),
+            sampler: sampler.map(|sampler| sampler.value),
+            filter: filter.as_ref().map(|filter| filter.value.clone()),
+            ..Overrides::default()
         }
     }
 }

@@ -2,9 +2,9 @@
 
 use std::time::Duration;
 
-use ltsc_core::ir::Filter;
+use ltsc_core::ir::{Filter, Integrator, Sampler};
 
-use super::model::{Algorithm, At, Budget, Points, Settings};
+use super::model::{At, Budget, Settings};
 use super::reader::{Item, Reader, near};
 
 /// The widest image that a scene can have.
@@ -13,12 +13,10 @@ const WIDEST: u32 = 65_536;
 /// `settings`.
 pub(super) fn settings(item: &Item<'_>, reader: &mut Reader) -> Settings {
     let Some(mut table) = item.table(reader, "`settings`") else { return Settings::default() };
-    let integrator =
-        table.take("integrator").and_then(|item| one_of(&item, reader, &Algorithm::ALL.map(|one| (one.word(), one))));
+    let integrator = table.take("integrator").and_then(|item| one_of(&item, reader, &Integrator::WORDS));
     let max_depth = table.take("max_depth").and_then(|item| item.count(reader, 1..=u32::MAX));
     let samples = table.take("samples").and_then(|item| item.count(reader, 1..=u32::MAX));
-    let sampler =
-        table.take("sampler").and_then(|item| one_of(&item, reader, &Points::ALL.map(|one| (one.word(), one))));
+    let sampler = table.take("sampler").and_then(|item| one_of(&item, reader, &Sampler::WORDS));
     let filter = table.take("filter").and_then(|item| filter(&item, reader));
     let size = table.take("size").and_then(|item| size(&item, reader));
     let seed = table.take("seed").and_then(|item| item.count(reader, 0..=u32::MAX));
@@ -27,7 +25,7 @@ pub(super) fn settings(item: &Item<'_>, reader: &mut Reader) -> Settings {
 }
 
 /// One of several words.
-fn one_of<T: Copy>(item: &Item<'_>, reader: &mut Reader, known: &[(&str, T)]) -> Option<At<T>> {
+fn one_of(item: &Item<'_>, reader: &mut Reader, known: &[&'static str]) -> Option<At<&'static str>> {
     if item.as_table(reader, "").is_some() {
         reader.mismatch(item, "a string");
         if let Some(found) = reader.findings.last_mut() {
@@ -38,14 +36,14 @@ fn one_of<T: Copy>(item: &Item<'_>, reader: &mut Reader, known: &[(&str, T)]) ->
         return None;
     }
     let word = item.word(reader)?;
-    let found = known.iter().find(|(name, _)| *name == word.value);
+    let found = known.iter().find(|name| **name == word.value);
     if found.is_none() {
         let message = format!("`{}` is no neutral {}", word.value, item.name);
-        let help = near(&word.value, known.iter().map(|(name, _)| *name)).unwrap_or_default();
+        let help = near(&word.value, known.iter().copied()).unwrap_or_default();
         reader.error("evaluation-setting", word.span, message).help =
             Some(format!("{help}; any other is passed through by `parameters`"));
     }
-    found.map(|(_, value)| At::new(*value, word.span))
+    found.map(|name| At::new(*name, word.span))
 }
 
 /// `box`, `gaussian`, or a table with `type` and lengths.
@@ -77,7 +75,7 @@ fn filter(item: &Item<'_>, reader: &mut Reader) -> Option<At<Filter>> {
         other => {
             let message = format!("`{other}` is no neutral filter");
             reader.error("evaluation-setting", kind.span, message).help =
-                Some("known are box, gaussian; any other is passed through by `parameters`".to_owned());
+                Some("known: box, gaussian; any other is passed through by `parameters`".to_owned());
             return None;
         }
     };

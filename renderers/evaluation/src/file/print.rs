@@ -255,10 +255,10 @@ fn settings(settings: &Settings) -> Option<String> {
         }
     });
     inline(&[
-        ("integrator", integrator.map(|integrator| string(integrator.value.word()))),
+        ("integrator", integrator.map(|integrator| string(integrator.value))),
         ("max_depth", count(max_depth)),
         ("samples", count(samples)),
-        ("sampler", sampler.map(|sampler| string(sampler.value.word()))),
+        ("sampler", sampler.map(|sampler| string(sampler.value))),
         ("filter", filter),
         ("size", size.map(|size| format!("[{}, {}]", size.value.0, size.value.1))),
         ("seed", count(seed)),
@@ -337,9 +337,9 @@ fn statement(name: &str, parameters: &[Parameter]) -> String {
 fn value(given: &Value) -> String {
     match given {
         Value::Bool(value) => value.to_string(),
-        Value::Int(value) => value.to_string(),
+        Value::Integer(value) => value.to_string(),
         Value::Float(value) => float(*value),
-        Value::Text(text) => string(text),
+        Value::String(text) => string(text),
         Value::List(values) => format!("[{}]", values.iter().map(value).collect::<Vec<_>>().join(", ")),
     }
 }

@@ -6,7 +6,7 @@ use ltsc_core::diag::{Sources, Span};
 use ltsc_core::ir::Filter;
 use proptest::prelude::*;
 
-use super::model::{Algorithm, At, Budget, Parameter, Points, Reference, Settings, Source, Value};
+use super::model::{At, Budget, Parameter, Reference, Settings, Source, Value};
 use super::written::{
     Against, Exclude, Overriding, Parameters, Written, WrittenCase, WrittenCompare, WrittenOutput, WrittenRenderer,
     WrittenScene, WrittenSweep, without_places,
@@ -63,9 +63,9 @@ fn number() -> impl Strategy<Value = f64> {
 fn value() -> impl Strategy<Value = Value> {
     let leaf = prop_oneof![
         any::<bool>().prop_map(Value::Bool),
-        any::<i64>().prop_map(Value::Int),
+        any::<i64>().prop_map(Value::Integer),
         number().prop_map(Value::Float),
-        text().prop_map(Value::Text)
+        text().prop_map(Value::String)
     ];
     leaf.prop_recursive(2, 8, 4, |inner| prop::collection::vec(inner, 1..4).prop_map(Value::List))
 }
@@ -97,8 +97,8 @@ fn settings() -> impl Strategy<Value = Settings> {
     ];
     let counts = (maybe(1_u32..), maybe(1_u32..), maybe(any::<u32>()));
     let size = maybe((1_u32..=65_536, 1_u32..=65_536));
-    let algorithm = maybe(prop::sample::select(Algorithm::ALL.to_vec()));
-    let points = maybe(prop::sample::select(Points::ALL.to_vec()));
+    let algorithm = maybe(prop::sample::select(ltsc_core::ir::Integrator::WORDS.to_vec()));
+    let points = maybe(prop::sample::select(ltsc_core::ir::Sampler::WORDS.to_vec()));
     (algorithm, points, maybe(filter), counts, size).prop_map(
         |(integrator, sampler, filter, (max_depth, samples, seed), size)| Settings {
             integrator,

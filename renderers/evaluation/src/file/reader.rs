@@ -112,8 +112,8 @@ pub(super) fn near<'a>(name: &str, known: impl IntoIterator<Item = &'a str>) -> 
     match nearest(name, known.iter().copied()) {
         Some(similar) => Some(format!("did you mean `{similar}`?")),
         None if known.is_empty() => None,
-        None if known.len() > 20 => Some(format!("known are {} and {} more", known[..12].join(", "), known.len() - 12)),
-        None => Some(format!("known are {}", known.join(", "))),
+        None if known.len() > 20 => Some(format!("known: {} and {} more", known[..12].join(", "), known.len() - 12)),
+        None => Some(format!("known: {}", known.join(", "))),
     }
 }
 

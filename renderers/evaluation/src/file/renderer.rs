@@ -111,7 +111,7 @@ fn declare(written: &WrittenRenderer, findings: &mut Findings) -> Option<Rendere
             None => {
                 let message = format!("the renderer `{}` has no `target`", name.value);
                 findings.error("evaluation-missing", name.span, message).help = Some(format!(
-                    "write for example `target = \"mitsuba-3\"`; known are {}",
+                    "write for example `target = \"mitsuba-3\"`; known: {}",
                     names().collect::<Vec<_>>().join(", ")
                 ));
             }

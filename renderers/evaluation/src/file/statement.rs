@@ -1,6 +1,7 @@
 //! Native statements: how they are written, and how those of several parameter sets become one.
 
 use ltsc_core::diag::Finding;
+use ltsc_core::formats::statements::replaced;
 
 use super::model::{At, Parameter, Statement, Value};
 use super::reader::{Item, Reader, Table};
@@ -96,7 +97,7 @@ fn triple(element: &Item<'_>, words: &[Item<'_>], reader: &mut Reader) -> Option
 
 fn value(item: &Item<'_>, reader: &mut Reader) -> Option<Value> {
     if let Some(text) = item.as_str() {
-        return Some(Value::Text(text.to_owned()));
+        return Some(Value::String(text.to_owned()));
     }
     if let Some(value) = item.as_bool() {
         return Some(Value::Bool(value));
@@ -106,7 +107,7 @@ fn value(item: &Item<'_>, reader: &mut Reader) -> Option<Value> {
         if value.is_none() {
             reader.error("evaluation-value", item.span, "the integer has more than 64 bits");
         }
-        return value.map(Value::Int);
+        return value.map(Value::Integer);
     }
     if let Some(value) = item.as_float() {
         if !value.is_finite() {
@@ -133,18 +134,11 @@ fn value(item: &Item<'_>, reader: &mut Reader) -> Option<Value> {
     None
 }
 
-/// Puts parameters into the place of those of the same name and type, and others behind them. A parameter without a type takes the
-/// place and the type of the last one of its name; one with a type takes the place of one without.
+/// Puts parameters into the place of those that they replace, and others behind them. One without a type has that of the one before.
 pub(super) fn merge(into: &mut Vec<Parameter>, parameters: &[Parameter]) {
     for parameter in parameters {
-        let same = |other: &Parameter| other.name == parameter.name;
-        let at = match &parameter.kind {
-            None => into.iter().rposition(same),
-            Some(kind) => {
-                into.iter().position(|other| same(other) && other.kind.as_ref().is_none_or(|own| own == kind))
-            }
-        };
-        match at {
+        let known = into.iter().map(|known| (known.name.as_str(), known.kind.as_deref()));
+        match replaced(known, &parameter.name, parameter.kind.as_deref()) {
             Some(at) => {
                 let kind = parameter.kind.clone().or_else(|| into[at].kind.take());
                 into[at] = Parameter { kind, ..parameter.clone() };

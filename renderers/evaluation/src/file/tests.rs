@@ -9,7 +9,7 @@ use ltsc_core::formats::Target;
 use ltsc_core::ir::Filter;
 use ltsc_core::pipeline;
 
-use super::model::{Algorithm, Evaluation, Points, Reference, Run, Side, Source, Statement, Value};
+use super::model::{Evaluation, Reference, Run, Side, Source, Statement, Value};
 use super::{Surroundings, Unknown, load};
 
 /// A project of two scenes, one of which has no files for PBRT.
@@ -82,9 +82,9 @@ fn file(before: &str, behind: &str) -> String {
 fn shown(statements: &[Statement]) -> Vec<String> {
     let value = |value: &Value| match value {
         Value::Bool(value) => value.to_string(),
-        Value::Int(value) => value.to_string(),
+        Value::Integer(value) => value.to_string(),
         Value::Float(value) => format!("{value:?}"),
-        Value::Text(text) => format!("'{text}'"),
+        Value::String(text) => format!("'{text}'"),
         Value::List(values) => format!("{} values", values.len()),
     };
     let one = |statement: &Statement| {
@@ -155,8 +155,8 @@ fn settings_are_those_of_the_renderer_the_case_and_the_file_in_this_order() {
     );
     let [mitsuba, luxcore] = evaluation.cases[0].variants.as_slice() else { panic!("two variants") };
     let one = &mitsuba.settings;
-    assert_eq!(one.integrator.map(|own| own.value), Some(Algorithm::Path));
-    assert_eq!(one.sampler.map(|own| own.value), Some(Points::Independent));
+    assert_eq!(one.integrator.map(|own| own.value), Some("path"));
+    assert_eq!(one.sampler.map(|own| own.value), Some("independent"));
     assert_eq!(one.filter.as_ref().map(|own| own.value.clone()), Some(Filter::Gaussian { stddev: 0.5, radius: 2.0 }));
     let numbers =
         |own: &super::model::Settings| [own.max_depth, own.samples, own.seed].map(|own| own.expect("set").value);
@@ -188,7 +188,7 @@ fn settings_take_the_place_of_those_of_a_scene() {
     let path = VPath::resolve("", "s.lts").expect("a path");
     let checked = pipeline::check(&files, &mut Sources::default(), &path, &pipeline::Options::default());
     let mut scene = checked.scene.unwrap_or_else(|| panic!("{:?}", checked.findings));
-    evaluation.cases[0].variants[0].settings.apply(&mut scene);
+    evaluation.cases[0].variants[0].settings.overrides().apply(&mut scene);
     assert_eq!(scene.integrator, ltsc_core::ir::Integrator::Metropolis { max_depth: 3 });
     assert_eq!(scene.sampler, ltsc_core::ir::Sampler::Sobol { samples: 64, seed: 9 });
     assert_eq!((scene.film.width, scene.film.height), (5, 6));
@@ -336,7 +336,7 @@ type Row = (&'static str, &'static str, &'static str, &'static str, &'static str
 
 const WRONG: &[Row] = &[
     // Keys.
-    ("quality = 1", "", "evaluation-key", "quality", "the file has no key `quality`", "known are"),
+    ("quality = 1", "", "evaluation-key", "quality", "the file has no key `quality`", "known: "),
     ("setings = {}", "", "evaluation-key", "setings", "no key", "did you mean `settings`?"),
     ("", "setting = {}", "evaluation-key", "setting", "[[case]] has no key `setting`", "did you mean `settings`?"),
     ("settings = { sample = 8 }", "", "evaluation-key", "sample", "`settings` has no key", "did you mean `samples`?"),

@@ -2,22 +2,25 @@
 
 use ltsc_core::capability::{Feature, Support, algorithm, sampler_feature};
 use ltsc_core::diag::Span;
-use ltsc_core::ir::Filter;
+use ltsc_core::ir::{Filter, Integrator, Sampler};
 
-use super::model::{Algorithm, Renderer, Variant};
+use super::model::{Renderer, Variant};
 use super::resolve::Findings;
 
 /// Says what cannot be translated.
 pub(super) fn check(variant: &Variant, renderer: &Renderer, findings: &mut Findings) {
     let settings = &variant.settings;
     // Where the algorithm is the scene's, it is not known here; its emission says the rest.
-    let integrator = settings.integrator.map_or(Algorithm::Path, |integrator| integrator.value).with_max_depth(1);
+    let word = settings.integrator.map(|integrator| integrator.value);
+    let integrator = word.and_then(|word| Integrator::of_word(word, 1)).unwrap_or(Integrator::Path { max_depth: 1 });
     let mut asked: Vec<(Feature, Span)> = Vec::new();
     if let Some(own) = &settings.integrator {
         asked.push((algorithm(&integrator).0, own.span));
     }
-    if let Some(sampler) = &settings.sampler {
-        asked.push((sampler_feature(&sampler.value.with(1, 0), &integrator), sampler.span));
+    if let Some(own) = &settings.sampler
+        && let Some(sampler) = Sampler::of_word(own.value, 1, 0)
+    {
+        asked.push((sampler_feature(&sampler, &integrator), own.span));
     }
     if let Some(filter) = &settings.filter {
         let feature = match &filter.value {
