@@ -25,8 +25,9 @@ impl Stage {
         write_exr(&stage.path("image.exr"), &Image::filled(8, 8, [0.5, 0.25, 1.0]), &Provenance::default())
             .expect("an image");
         let here = stage.folder.path().display().to_string();
+        fs::write(stage.path("version"), "pbrt-r4 4.5.2\n").expect("a version");
         let body = format!(
-            "#!/bin/sh\necho pbrt-r4 4.5.2\nif [ \"$1\" = --version ]; then exit 0; fi\n\
+            "#!/bin/sh\ncat {here}/version\nif [ \"$1\" = --version ]; then exit 0; fi\n\
              echo call >> {here}/calls\nsleep 0.1\nwhile [ \"$1\" != --outfile ]; do shift; done\n\
              if [ -f {here}/fails ]; then echo 'it fails'; exit 1; fi\ncp {here}/image.exr \"$2\"\n"
         );
@@ -154,4 +155,33 @@ fn a_chunk_that_is_damaged_is_rendered_again_or_named() {
     assert!(!stage.path("c.exr").exists());
     fs::remove_file(&chunks[2]).expect("removed");
     assert_eq!(run(&mut stage.render(8192, "c.exr")).code, Some(0));
+}
+
+#[test]
+fn another_version_of_a_renderer_renders_anew() {
+    let stage = Stage::new();
+    assert_eq!(run(&mut stage.render(8192, "a.exr")).code, Some(0));
+    fs::write(stage.path("version"), "pbrt-r4 4.5.3\n").expect("written");
+    assert_eq!(run(&mut stage.render(8192, "b.exr")).code, Some(0));
+    assert_eq!((stage.calls(), stage.chunks()), (16, 16));
+}
+
+/// Only Linux tells them.
+#[test]
+#[cfg(target_os = "linux")]
+fn a_chunk_says_what_it_took() {
+    let stage = Stage::new();
+    let text = fs::read_to_string(stage.path("pbrt-r4")).expect("a program");
+    let busy = "i=0; while [ $i -lt 300000 ]; do i=$((i+1)); done\nsleep 0.1\n";
+    fs::write(stage.path("pbrt-r4"), text.replacen("sleep 0.1\n", busy, 1)).expect("written");
+    assert_eq!(run(&mut stage.render(8192, "a.exr")).code, Some(0));
+    let header = attributes(&files(&stage)[0]).expect("a header");
+    let number = |name: &str| -> f64 {
+        let found = header.iter().find(|(known, _)| known == name).unwrap_or_else(|| panic!("no {name}: {header:?}"));
+        found.1.parse().expect("a number")
+    };
+    let (cpu, wall, memory) = (number("ltsc:cpu-seconds"), number("ltsc:wall-seconds"), number("ltsc:peak-memory"));
+    assert!(cpu > 0.05 && cpu < wall, "{cpu} s of {wall} s");
+    assert!((1e5..1e8).contains(&memory), "{memory} bytes for a shell");
+    assert!(header.iter().any(|(name, value)| name == "ltsc:machine" && value.contains("cores")), "{header:?}");
 }

@@ -195,3 +195,79 @@ fn statements_replace_those_of_the_target() {
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
+
+/// A scene with statements for a target, as files; the statements are those of a case.
+fn of_case(name: &str) -> (Valid, &'static Target, Statements, BTreeMap<String, Vec<u8>>) {
+    let text = fs::read_to_string(root().join(format!("tests/cases/statements/{name}.toml"))).expect("a case");
+    let case: toml::Table = text.parse().expect("TOML");
+    let target = formats::find(case["target"].as_str().expect("a text")).expect("a target");
+    let given = statements(case["statements"].as_table().expect("a table"));
+    let scene = prepared(&Disk(root().to_path_buf()), case["scene"].as_str().expect("a text"));
+    let (scene, _) = pipeline::take_statements(scene, target, &given).unwrap_or_else(|found| panic!("{found:?}"));
+    let files = written(&scene, target, &given);
+    (scene, target, given, files)
+}
+
+/// The elements that an element of this name stands in, outermost first.
+fn around(element: &Element, tag: &str, above: &mut Vec<String>) -> bool {
+    if element.tag == tag {
+        return true;
+    }
+    above.push(element.tag.clone());
+    if element.inner.iter().any(|inner| around(inner, tag, above)) {
+        return true;
+    }
+    above.pop();
+    false
+}
+
+#[test]
+fn statements_stand_where_the_renderer_looks_for_them() {
+    let (_, _, _, files) = of_case("mitsuba3_film");
+    let settings = parse(std::str::from_utf8(&files["settings.xml"]).expect("text"));
+    let places =
+        [("integrator", "scene"), ("emitter", "scene"), ("film", "sensor"), ("sampler", "sensor"), ("rfilter", "film")];
+    for (tag, parent) in places {
+        let mut above = Vec::new();
+        assert!(around(&settings, tag, &mut above), "{tag} is not written");
+        assert_eq!(above.last().map(String::as_str), Some(parent), "{tag}");
+    }
+    let (_, _, _, files) = of_case("pbrt4");
+    let settings = std::str::from_utf8(&files["settings.pbrt"]).expect("text");
+    for line in [
+        "LookAt 0 -100 50 0 0 50 0 0 1",
+        "\"integer pixelbounds\" [0 32 0 16]",
+        "PixelFilter \"gaussian\"",
+        "\"bool regularize\" [false]",
+    ] {
+        assert!(settings.contains(line), "no `{line}` in {settings}");
+    }
+    assert_eq!(settings.matches("Film").count(), 1, "the scene's own film stays: {settings}");
+}
+
+/// What a statement replaces is not compared with the scene; all the rest still is.
+#[test]
+fn the_audit_sees_edits_beside_statements() {
+    let (scene, target, given, files) = of_case("mitsuba3_film");
+    let camera = pipeline::camera(&scene, None).expect("a camera");
+    let found = |edit: &dyn Fn(&str) -> String| {
+        let mut memory = MemoryFiles::default();
+        for (path, bytes) in &files {
+            let bytes = match std::str::from_utf8(bytes) {
+                Ok(text) if path.ends_with(".xml") => edit(text).into_bytes(),
+                _ => bytes.clone(),
+            };
+            memory.insert(path, bytes);
+        }
+        let audited = pipeline::audit_given(&scene, camera, &[target], &given, &memory, |_| String::new());
+        audited.findings().map(|finding| finding.message.clone()).collect::<Vec<_>>()
+    };
+    assert!(found(&str::to_owned).is_empty());
+    let fov = found(&|text| text.replace("value=\"45\"", "value=\"46\""));
+    assert!(!fov.is_empty(), "another field of view");
+    let light = found(&|text| text.replace("30", "31"));
+    assert!(!light.is_empty(), "another radiance");
+    // The depth is the statement's.
+    let depth = found(&|text| text.replace("name=\"max_depth\" value=\"6\"", "name=\"max_depth\" value=\"7\""));
+    assert!(depth.is_empty(), "{depth:?}");
+}
