@@ -10,6 +10,10 @@ use std::time::{Duration, Instant};
 
 use ltsc_render::image::{Image, Provenance, attributes, write_exr};
 
+use ltsc_evaluation::chunk::Store;
+use ltsc_evaluation::executor::{Executor, Local, Order, Outcome, Resources, Task};
+use ltsc_evaluation::job::{Job, Runner};
+
 use super::cli::MINIMAL;
 use super::{ltsc, run};
 
@@ -184,4 +188,26 @@ fn a_chunk_says_what_it_took() {
     assert!(cpu > 0.05 && cpu < wall, "{cpu} s of {wall} s");
     assert!((1e5..1e8).contains(&memory), "{memory} bytes for a shell");
     assert!(header.iter().any(|(name, value)| name == "ltsc:machine" && value.contains("cores")), "{header:?}");
+}
+
+#[test]
+fn what_fails_stops_the_rest_unless_it_is_to_go_on() {
+    let stage = Stage::new();
+    fs::write(stage.path("fails"), "").expect("written");
+    let scene = super::prepared(&super::Disk(stage.folder.path().to_path_buf()), "scenes/one.lts");
+    let driver = ltsc_render::run::driver("pbrt-r4").expect("a driver");
+    let runner = Runner::find(driver, Some(&stage.path("pbrt-r4")), None, None).expect("a program");
+    let job = Job::new(&scene, &runner).expect("files");
+    let tasks = [0, 1, 2, 3].map(|seed| Task { job: 0, samples: 1, seed });
+    let store = Store::at(stage.path("cache/chunks"));
+    let local = Local::new(Resources { jobs: 1, memory: None, shared: None, options: Vec::new() });
+    let outcomes = |keep_going| {
+        let order = Order { jobs: std::slice::from_ref(&job), tasks: &tasks, store: &store, keep_going };
+        local.run(&order, &|_| {}).expect("outcomes")
+    };
+    let stopped = outcomes(false);
+    assert!(matches!(stopped[..], [Outcome::Failed(_), Outcome::Skipped, Outcome::Skipped, Outcome::Skipped]));
+    assert_eq!(stage.calls(), 1);
+    assert!(outcomes(true).iter().all(|outcome| matches!(outcome, Outcome::Failed(_))));
+    assert_eq!(stage.calls(), 5);
 }

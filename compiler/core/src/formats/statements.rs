@@ -303,6 +303,10 @@ mod tests {
         // Another type is another parameter.
         all.give(Statement::new("sampler", vec![Parameter::typed("sampleCount", "float", Value::Float(1.0))]));
         assert_eq!(all.find("sampler").map(|one| one.parameters.len()), Some(3));
+        // Without a type it is the last one of its name.
+        all.give(Statement::new("sampler", vec![Parameter::new("sampleCount", Value::Integer(9))]));
+        let values = all.find("sampler").map(|one| one.parameters.iter().map(|one| one.value.clone()).collect());
+        assert_eq!(values, Some(vec![text("independent"), Value::Integer(8), Value::Integer(9)]));
     }
 
     #[test]
