@@ -125,6 +125,10 @@ fn a_renderer_that_fails_leaves_what_was_rendered_and_its_log() {
     let ran = run(&mut stage.render(10_000, "b.exr"));
     assert_eq!(ran.code, Some(4), "{}", ran.err);
     assert!(ran.err.contains("it fails"), "{}", ran.err);
+    let shown = run(&mut stage.ltsc(&["cache"]));
+    assert!(shown.out.contains("one") && shown.out.contains("8 chunks"), "{}", shown.out);
+    let nowhere = run(&mut stage.ltsc(&["cache", "--shared", "nowhere \" '"]));
+    assert!(nowhere.code == Some(2) && nowhere.err.contains("is no folder"), "{}", nowhere.err);
     assert_eq!(stage.chunks(), 8);
     assert!(!stage.path("b.exr").exists());
     fs::remove_file(stage.path("fails")).expect("removed");

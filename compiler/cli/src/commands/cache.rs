@@ -15,6 +15,10 @@ use crate::terminal::{self, Watcher};
 
 pub fn run(command: &Cache) -> Result<Exit, Failure> {
     let root = match &command.shared {
+        Some(shared) if !shared.is_dir() => {
+            return Err(Failure::new(Exit::Usage, format!("{} is no folder", shared.display()))
+                .help("`--shared` names the folder that the machines of a cluster share"));
+        }
         Some(shared) => shared.clone(),
         None => CachePaths::find(&Env::of_process()).map(|cache| cache.root).ok_or_else(|| {
             Failure::new(Exit::Environment, "the system names no cache folder").help("set LTSC_CACHE to a folder")
@@ -54,6 +58,11 @@ pub fn run(command: &Cache) -> Result<Exit, Failure> {
     for entry in &entries {
         let Entry { scene, renderer, chunks, samples, bytes, newest, folder: _ } = entry;
         let (of, plural) = (days(*newest), if *chunks == 1 { "" } else { "s" });
+        if *chunks == 0 {
+            let kept = format!("logs of renderings that failed, {}, {of} days old", size(*bytes));
+            terminal::print(&format!("{}: {kept}\n", entry.folder.display()));
+            continue;
+        }
         terminal::print(&format!(
             "{scene:<24} {renderer:<20} {chunks:>4} chunk{plural}, {samples} samples, {}, {of} days old\n",
             size(*bytes)
