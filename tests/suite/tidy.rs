@@ -227,6 +227,18 @@ fn core_and_renderers_do_not_know_each_other() {
     }
 }
 
+/// What is rendered and what images say is decided in one package; commands ask it.
+#[test]
+fn commands_render_nothing_and_hold_no_statistics() {
+    for (path, text) in all_sources().into_iter().filter(|(path, _)| path.starts_with("compiler/cli/src/")) {
+        let code = without_tests(&text);
+        for word in ["RenderRequest", "run::render", ".pixels", ".sqrt()", "emit_alone"] {
+            let found = code.contains(word) && !(word == "emit_alone" && path.ends_with("commands/emit.rs"));
+            assert!(!found, "{path} has `{word}`: ask `ltsc_evaluation`");
+        }
+    }
+}
+
 /// Modules that stand on each other in one direction only.
 #[test]
 fn there_are_no_circles_of_two() {

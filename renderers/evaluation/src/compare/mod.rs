@@ -19,7 +19,7 @@ use ltsc_render::image::Image;
 pub use images::Images;
 pub use metrics::{METRICS, Metric};
 pub use pair::{Pair, Value};
-pub use picture::{difference_png, difference_rgb8, png, relative_rgb8, shown_rgb8};
+pub use picture::{difference_png, difference_rgb8, exposure, png, relative_rgb8, shown_rgb8};
 pub use shift::Shift;
 pub use text::to_text;
 pub use tiles::{Tile, Tiles, WorstTile};

@@ -27,6 +27,19 @@ pub fn relative_rgb8(a: &Image, b: &Image, exposure: f64) -> Result<Vec<u8>, Com
     signed(a, b, exposure, |a, b| if a == b { 0.0 } else { (b - a) / a.max(f64::MIN_POSITIVE) })
 }
 
+/// The stops that bring the 95th percentile of an image's brightness to 0.8; 0 where it is black.
+#[must_use]
+pub fn exposure(image: &Image) -> f64 {
+    let mut values: Vec<f32> =
+        image.pixels.iter().map(|pixel| pixel.iter().sum::<f32>() / 3.0).filter(|value| value.is_finite()).collect();
+    if values.is_empty() {
+        return 0.0;
+    }
+    let at = values.len() * 95 / 100;
+    let bright = *values.select_nth_unstable_by(at, f32::total_cmp).1;
+    if bright > 0.0 { (0.8 / f64::from(bright)).log2() } else { 0.0 }
+}
+
 /// An image in 8-bit sRGB, its values times `2^exposure`; blue where a pixel is not finite.
 pub fn shown_rgb8(image: &Image, exposure: f64) -> Vec<u8> {
     let gain = exposure.exp2();
@@ -88,6 +101,15 @@ fn encode(linear: f64) -> u8 {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn exposure_brings_the_bright_part_to_the_same_brightness() {
+        let image =
+            |scale: f32| Image { width: 100, height: 1, pixels: (0..100).map(|at| [scale * at as f32; 3]).collect() };
+        assert!((exposure(&image(1.0)) - (0.8_f64 / 95.0).log2()).abs() < 1e-6);
+        assert!((exposure(&image(0.25)) - exposure(&image(1.0)) - 2.0).abs() < 1e-6);
+        assert_eq!((exposure(&image(0.0)), exposure(&Image::filled(2, 1, [f32::NAN; 3]))), (0.0, 0.0));
+    }
 
     #[test]
     fn colors_show_sign_and_exposure() {

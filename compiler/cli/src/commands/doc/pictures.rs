@@ -8,8 +8,7 @@ use ltsc_core::catalogue::Pictures;
 use ltsc_core::eval::Overrides;
 use ltsc_core::ir::Scene;
 use ltsc_core::pipeline;
-use ltsc_evaluation::compare::{CompareOptions, compare, difference_rgb8, png, relative_rgb8, shown_rgb8};
-use ltsc_render::image::Image;
+use ltsc_evaluation::compare::{CompareOptions, compare, difference_rgb8, exposure, png, relative_rgb8, shown_rgb8};
 use ltsc_render::regular;
 use ltsc_render::run::{Driver, Rendered, driver};
 use serde_json::json;
@@ -152,15 +151,6 @@ fn one(
         }
     }
     pictures_of(command, scene, &all, folder)
-}
-
-/// The factor that brings the 95th percentile of an image's brightness to 0.8.
-fn exposure(image: &Image) -> f64 {
-    let mut values: Vec<f32> =
-        image.pixels.iter().map(|pixel| pixel.iter().sum::<f32>() / 3.0).filter(|value| value.is_finite()).collect();
-    values.sort_by(f32::total_cmp);
-    let bright = values.get(values.len() * 95 / 100).copied().unwrap_or(1.0);
-    if bright > 0.0 { (0.8 / f64::from(bright)).log2() } else { 0.0 }
 }
 
 /// The pictures, and what was measured.
