@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use ltsc_core::capability::{Support, algorithm};
+use ltsc_core::formats::effective::Effective;
+use ltsc_core::formats::statements::{self, Statements};
 use ltsc_core::formats::{self, Choices, Target};
 use ltsc_core::ir::{Camera, Handle, Scene};
 use ltsc_core::ledger::{self, Ledger};
@@ -14,9 +16,12 @@ use ltsc_render::cache::CachePaths;
 use ltsc_render::env::Env;
 use ltsc_render::guard::Folder;
 use ltsc_render::run::{
-    DRIVERS, Driver, Found, Progress, RenderError, RenderRequest, Rendered, Search, Source, driver, find, render,
+    DRIVERS, Driver, Found, Progress, RenderError, RenderRequest, Rendered, Search, Source, driver, find, is_python,
+    refuse, render,
 };
 
+use crate::command::Command;
+use crate::compare::verdict::Stated;
 use crate::disk::{DiskSink, Manifest, no_temporary, unwritable};
 use crate::failure::{Exit, Failure, why};
 
@@ -34,6 +39,13 @@ pub struct Runner {
     pub env: Env,
     /// Where installations are.
     pub cache: Option<CachePaths>,
+    /// Further arguments of the program.
+    pub options: Vec<String>,
+    /// How the program is called, where that is not the driver's affair.
+    pub command: Option<Command>,
+    /// What tells a program that may change without changing its version: the beginning of a hash of its file. None of installations of
+    /// our own and of a Python.
+    pub mark: Option<String>,
 }
 
 /// The driver called `name`.
@@ -71,6 +83,17 @@ pub fn lacks(driver: &Driver, scene: &Scene) -> bool {
     matches!((target_of(driver).supports)(algorithm(&scene.integrator).0), Support::Unsupported { why: _ })
 }
 
+/// What a renderer's target states of a scene with a number: by how much its light may be off.
+#[must_use]
+pub fn stated(scene: &Scene, driver: &Driver) -> Vec<Stated> {
+    let ledger = Ledger::of(scene, target_of(driver), &[]);
+    let here = ledger.approximated.iter().filter_map(|one| {
+        let share = one.here.as_ref()?.at_most;
+        (share > 0.0).then(|| Stated { by: driver.name.to_owned(), what: one.what.to_owned(), share })
+    });
+    here.collect()
+}
+
 impl Runner {
     /// A program that is not asked for its version before it renders, because it takes a second to answer. What it renders is not known by
     /// its version, so that nothing of it is to be kept.
@@ -79,7 +102,7 @@ impl Runner {
         let env = Env::of_process();
         let cache = CachePaths::find(&env);
         let found = Found { path: program.to_path_buf(), version: String::new(), source: Source::Given };
-        Self { driver, found, threads: None, timeout, env, cache }
+        Self { driver, found, threads: None, timeout, env, cache, options: Vec::new(), command: None, mark: None }
     }
 
     /// Finds the renderer: what is `given`, what is `configured`, an installation, or one on the path.
@@ -110,12 +133,64 @@ impl Runner {
                 None => Failure::of_renderer(&error),
             }
         })?;
-        Ok(Self { driver, found, threads: None, timeout, env, cache })
+        let ours = found.source == Source::Installed || is_python(&found.path);
+        let mark = if ours { None } else { Some(content_of(&found.path)?) };
+        Ok(Self { driver, found, threads: None, timeout, env, cache, options: Vec::new(), command: None, mark })
     }
 }
 
+impl Runner {
+    /// A program that is called by a command: what is `given`, or found for the driver. It is not asked for its version; what tells one from
+    /// another is the content of its file.
+    ///
+    /// # Errors
+    /// Where it is not there.
+    pub fn called(
+        driver: &'static Driver,
+        command: Command,
+        given: Option<&Path>,
+        timeout: Option<Duration>,
+    ) -> Result<Self, Failure> {
+        let env = Env::of_process();
+        let path = match given {
+            Some(given) => located(given, &env)?,
+            None if command.uses("exe") => Self::find(driver, None, None, timeout)?.found.path,
+            // The first word names it.
+            None => {
+                let first = command.fill(&[], |_| String::new()).into_iter().next().unwrap_or_default();
+                located(Path::new(&first), &env)?
+            }
+        };
+        let mark = Some(content_of(&path)?);
+        let found = Found { path, version: String::new(), source: Source::Given };
+        let (cache, command) = (CachePaths::find(&env), Some(command));
+        Ok(Self { driver, found, threads: None, timeout, env, cache, options: Vec::new(), command, mark })
+    }
+}
+
+/// The program of a path, or of a bare name on the path of the system.
+fn located(name: &Path, env: &Env) -> Result<PathBuf, Failure> {
+    let bare = name.components().count() == 1;
+    let on_path = || name.to_str().filter(|_| bare).and_then(|name| env.on_path(name).into_iter().next());
+    let there = name.is_file().then(|| std::path::absolute(name).ok()).flatten();
+    there.or_else(on_path).ok_or_else(|| {
+        Failure::new(Exit::Environment, format!("`{}`: no such program", name.display()))
+            .help("a relative path starts at the evaluation file; a bare name is looked up on the PATH")
+    })
+}
+
+/// What tells one program from another that does not say its version: the beginning of a hash of its file.
+fn content_of(program: &Path) -> Result<String, Failure> {
+    let failed = |error: std::io::Error| {
+        Failure::new(Exit::Environment, format!("`{}` cannot be read: {}", program.display(), why(&error)))
+    };
+    let mut hasher = blake3::Hasher::new();
+    let (mut file, _) = ltsc_render::regular::open(program).map_err(failed)?;
+    std::io::copy(&mut file, &mut hasher).map_err(failed)?;
+    Ok(hasher.finalize().to_hex()[..12].to_owned())
+}
+
 /// How a scene is written for a renderer.
-#[derive(Default)]
 pub struct Writing<'a> {
     /// The camera; the first one if none is said.
     pub camera: Option<Handle<Camera>>,
@@ -123,6 +198,14 @@ pub struct Writing<'a> {
     pub choices: Choices,
     /// What becomes of the scene for the target, with what its reader has lost; that of the scene alone if nothing is said.
     pub ledger: Option<&'a Ledger>,
+    /// Statements of a test case, which `pipeline::take_statements` has looked at, in the place of the target's own.
+    pub statements: &'a Statements,
+}
+
+impl Default for Writing<'_> {
+    fn default() -> Self {
+        Self { camera: None, choices: Choices::default(), ledger: None, statements: &statements::NONE }
+    }
 }
 
 /// A scene as it was written for a renderer, in a folder that goes with it, or in one that was there.
@@ -135,6 +218,8 @@ pub struct Job<'r> {
     size: (usize, usize),
     /// Of everything that was written for the renderer.
     content: blake3::Hash,
+    /// What the files mean, where the target has a reader and they were written here.
+    effective: Option<Effective>,
 }
 
 impl<'r> Job<'r> {
@@ -167,8 +252,10 @@ impl<'r> Job<'r> {
                 &own
             }
         };
-        pipeline::emit_alone(scene, camera, target, ledger, &writing.choices, &mut sink).map_err(failed)?;
-        if let Some(wrong) = pipeline::audit(scene, camera, &[target], &sink, |_| String::new()).findings().next() {
+        let given = writing.statements;
+        pipeline::emit_given(scene, camera, target, ledger, &writing.choices, given, &mut sink).map_err(failed)?;
+        let audited = pipeline::audit_given(scene, camera, &[target], given, &sink, |_| String::new());
+        if let Some(wrong) = audited.findings().next() {
             let message = format!("{}: {} for {}", scene.name, wrong.message, target.name);
             return Err(Failure::new(Exit::Fault, message)
                 .help("ltsc wrote something else than the scene says: please report it with the scene"));
@@ -177,7 +264,8 @@ impl<'r> Job<'r> {
         let content = sink.content(|path| path != ledger::FILE);
         sink.finish().map_err(failed)?;
         let size = (scene.film.width as usize, scene.film.height as usize);
-        Ok(Self { runner, folder: work.path().to_owned(), work, scene: scene.name.clone(), size, content })
+        let effective = audited.targets.into_iter().next().map(|audit| audit.effective);
+        Ok(Self { runner, folder: work.path().to_owned(), work, scene: scene.name.clone(), size, content, effective })
     }
 
     /// One that was written before, into a folder that stays; each file is compared with what its manifest says.
@@ -190,7 +278,7 @@ impl<'r> Job<'r> {
         let manifest = Manifest::verified(folder).map_err(wrong)?;
         let content = manifest.content(|path| path != ledger::FILE);
         let work = Folder::new().map_err(|error| no_temporary(&error))?;
-        Ok(Self { runner, folder: folder.to_owned(), work, scene: manifest.scene, size, content })
+        Ok(Self { runner, folder: folder.to_owned(), work, scene: manifest.scene, size, content, effective: None })
     }
 
     /// The scene's name.
@@ -211,6 +299,12 @@ impl<'r> Job<'r> {
         self.size
     }
 
+    /// What the files mean; none where the target has no reader, or somebody else has written them.
+    #[must_use]
+    pub fn effective(&self) -> Option<&Effective> {
+        self.effective.as_ref()
+    }
+
     /// The folder of what was written, as long as this is there.
     #[must_use]
     pub fn folder(&self) -> &Path {
@@ -222,8 +316,15 @@ impl<'r> Job<'r> {
     pub fn identity(&self) -> String {
         let mut hasher = blake3::Hasher::new();
         hasher.update(self.content.as_bytes());
-        let Runner { driver, found, .. } = self.runner;
+        let Runner { driver, found, options, command, mark, .. } = self.runner;
         hasher.update(format!("{} {:?}", driver.name, found.version).as_bytes());
+        if let Some(mark) = mark {
+            hasher.update(format!(" {mark}").as_bytes());
+        }
+        if !options.is_empty() || command.is_some() {
+            let words = command.as_ref().map(Command::texts);
+            hasher.update(format!(" {options:?} {words:?}").as_bytes());
+        }
         hasher.finalize().to_hex().to_string()
     }
 
@@ -253,8 +354,20 @@ impl<'r> Job<'r> {
         log: &Path,
         progress: &mut dyn FnMut(Progress),
     ) -> Result<Rendered, RenderError> {
-        let Runner { driver, found, threads, timeout, env, cache } = self.runner;
-        let request = RenderRequest {
+        render(&self.request(samples, seed, log), &mut |news| progress(news))
+    }
+
+    /// Whether the renderer can render an image of so many samples with this seed, as far as that is known before it starts.
+    ///
+    /// # Errors
+    /// What it lacks.
+    pub fn refuse(&self, samples: u32, seed: u32) -> Result<(), RenderError> {
+        refuse(&self.request(samples, seed, &self.work.path().join("log")))
+    }
+
+    fn request(&self, samples: u32, seed: u32, log: &Path) -> RenderRequest {
+        let Runner { driver, found, threads, timeout, env, cache, options, command, mark: _ } = self.runner;
+        RenderRequest {
             executable: Some(found.path.clone()),
             env: env.clone(),
             cache: cache.clone(),
@@ -263,8 +376,9 @@ impl<'r> Job<'r> {
             seed,
             threads: *threads,
             timeout: *timeout,
+            options: options.clone(),
+            call: command.as_ref().map(|command| command.call(options)),
             ..RenderRequest::new(driver, self.folder.clone(), self.size, log.to_path_buf())
-        };
-        render(&request, &mut |news| progress(news))
+        }
     }
 }

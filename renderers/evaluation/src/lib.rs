@@ -1,13 +1,14 @@
 //! Scenes in renderers: what is written is rendered, what is rendered is compared, and what follows is proved.
 //!
-//! Reading order: `failure` (how a command ends), `watch` (news while it goes on), `disk` (what is written appears as a whole), `job` (a
-//! scene through a renderer), `chunk` (an image in pieces, kept by content), `executor` (who renders them: this machine or a cluster),
+//! Reading order: `failure` (how a command ends), `watch` (news while it goes on), `disk` (what is written appears as a whole), `command` (how programs
+//! without a driver are called), `job` (a scene through a renderer), `chunk` (an image in pieces, kept by content), `executor` (who renders them: this machine or a cluster),
 //! `compare` (statistics of images, and the verdict), `conventions` (micro-scenes of known answers), `agree` (renderers against each
 //! other), `file` (what an evaluation is to render). This is the only package that knows both scenes and renderers; it knows no
 //! arguments and no terminal.
 
 pub mod agree;
 pub mod chunk;
+pub mod command;
 pub mod compare;
 pub mod conventions;
 pub mod disk;

@@ -3,6 +3,7 @@
 //! A driver takes an emitted folder as it is and sets only seed, samples and threads, and what a renderer without them needs for that.
 
 mod bar;
+mod call;
 mod cycles;
 mod emitted;
 mod error;
@@ -31,12 +32,14 @@ use crate::cache::CachePaths;
 use crate::env::Env;
 use crate::image::Image;
 
+pub use call::{Call, without_driver};
 pub use error::{Failure, RenderError};
 pub(crate) use find::on_path as find_on_path;
 pub use find::{Found, Search, Source, find};
 pub use installed::{Status, status_in_cache};
 pub use process::{Usage, tail};
-pub use render::render;
+pub use render::{refuse, render};
+pub use script::is_python;
 
 /// A program that is asked for its version, and until when it may take to answer.
 #[derive(Clone, Copy)]
@@ -217,6 +220,10 @@ pub struct RenderRequest {
     pub log: PathBuf,
     /// The renderer's variant, where it has several; its plainest if nothing is said.
     pub variant: Option<String>,
+    /// Further arguments of the program; renderers that run as a script of Python have none but `-m VARIANT`.
+    pub options: Vec<String>,
+    /// How the program is called, where that is not the driver's affair. It is then not asked for its version.
+    pub call: Option<Call>,
     /// Becomes true when the caller no longer wants the image.
     pub cancel: Option<Arc<AtomicBool>>,
 }
@@ -240,6 +247,8 @@ impl RenderRequest {
             timeout: None,
             log,
             variant: None,
+            options: Vec::new(),
+            call: None,
             cancel: None,
         }
     }

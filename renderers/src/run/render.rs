@@ -6,7 +6,9 @@ use std::time::{Duration, Instant};
 use serde::Deserialize;
 
 use super::process::{End, Lines, Patience, begin, run, tail};
-use super::{Asked, Delivery, Driver, Job, Plan, Progress, RenderError, RenderRequest, Rendered, Said, Search, find};
+use super::{
+    Asked, Delivery, Driver, Job, Plan, Progress, RenderError, RenderRequest, Rendered, Said, Search, call, find,
+};
 use crate::guard;
 use crate::image::{Image, read};
 
@@ -16,38 +18,15 @@ use crate::image::{Image, read};
 /// Gives an error if the renderer is missing, fails, takes too long, is cancelled, or leaves no
 /// image of the right size.
 pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Result<Rendered, RenderError> {
-    if request.samples == 0 || request.threads == Some(0) {
-        return Err(RenderError::Request {
-            message: "there must be at least one sample and one thread".to_owned(),
-            hint: "ask for 1 or more".to_owned(),
-        });
-    }
-    let until = request.timeout.map(|timeout| Instant::now() + timeout);
+    let Ready { request, executable, version, scratch, plan, until } = prepare(request)?;
+    let request = &request;
     let io = |path: &Path| {
         let path = path.to_owned();
         move |source| RenderError::Io { path, source }
     };
-    let absolute = |path: &Path| std::path::absolute(path).map_err(io(path));
-    let (folder, log) = (absolute(&request.folder)?, absolute(&request.log)?);
-    let main = folder.join(&request.main_file);
-    if !main.is_file() {
-        return Err(RenderError::Request {
-            message: format!("`{}` is not there", main.display()),
-            hint: format!("emit the scene for the target `{}` first", request.driver.target),
-        });
-    }
-    let search = |given| Search { env: &request.env, cache: request.cache.as_ref(), given, configured: None, until };
+    let log = std::path::absolute(&request.log).map_err(io(&request.log))?;
     let driver = request.driver;
-    let (executable, version) = match &request.executable {
-        Some(path) if !driver.asks_named => (absolute(path)?, String::new()),
-        given => {
-            let found = find(driver, &search(given.as_deref())).map_err(|error| in_time(request, until, error))?;
-            (found.path, found.version)
-        }
-    };
-    let scratch = guard::Folder::new().map_err(io(&std::env::temp_dir()))?;
-    let job = Job { request, executable: &executable, folder: &folder, main: &main, scratch: scratch.path() };
-    let Plan { command, delivery, above, facts } = (driver.plan)(&job)?;
+    let Plan { command, delivery, above, facts } = plan;
     begin(&log).map_err(io(&log))?;
     let mut gathered = Gathered { version, ..Gathered::default() };
     let mut watch = Watch::new(u64::from(request.samples));
@@ -76,7 +55,7 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
             if !path.exists() {
                 return Err(no_image(driver, "left no image".to_owned(), &log));
             }
-            if gathered.version.is_empty() {
+            if gathered.version.is_empty() && request.call.is_none() {
                 gathered.version = (driver.probe)(Asked { program: &executable, until }).unwrap_or_default();
             }
             (without_rows(read(&path)?.0, above), u64::from(request.samples), watch.took())
@@ -97,6 +76,68 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
         usage,
         facts,
     })
+}
+
+/// A request whose program is known, with what is to be run.
+struct Ready {
+    /// As the driver understands it.
+    request: RenderRequest,
+    executable: PathBuf,
+    version: String,
+    /// What the plan has written lies there.
+    scratch: guard::Folder,
+    plan: Plan,
+    until: Option<Instant>,
+}
+
+/// Whether a request is one that its renderer can carry out, as far as that is known before it starts: seeds that it does not have,
+/// parameters that the files lack, options that it does not take. Nothing is run but what finds the program.
+///
+/// # Errors
+/// What [`render`] would say.
+pub fn refuse(request: &RenderRequest) -> Result<(), RenderError> {
+    prepare(request).map(|_| ())
+}
+
+fn prepare(request: &RenderRequest) -> Result<Ready, RenderError> {
+    if request.samples == 0 || request.threads == Some(0) {
+        return Err(RenderError::Request {
+            message: "there must be at least one sample and one thread".to_owned(),
+            hint: "ask for 1 or more".to_owned(),
+        });
+    }
+    let request = call::understood(request);
+    let until = request.timeout.map(|timeout| Instant::now() + timeout);
+    let io = |path: &Path| {
+        let path = path.to_owned();
+        move |source| RenderError::Io { path, source }
+    };
+    let folder = std::path::absolute(&request.folder).map_err(io(&request.folder))?;
+    let main = folder.join(&request.main_file);
+    if !main.is_file() {
+        return Err(RenderError::Request {
+            message: format!("`{}` is not there", main.display()),
+            hint: format!("emit the scene for the target `{}` first", request.driver.target),
+        });
+    }
+    let search = |given| Search { env: &request.env, cache: request.cache.as_ref(), given, configured: None, until };
+    let driver = request.driver;
+    let (executable, version) = match &request.executable {
+        Some(path) if !driver.asks_named || request.call.is_some() => {
+            (std::path::absolute(path).map_err(io(path))?, String::new())
+        }
+        given => {
+            let found = find(driver, &search(given.as_deref())).map_err(|error| in_time(&request, until, error))?;
+            (found.path, found.version)
+        }
+    };
+    let scratch = guard::Folder::new().map_err(io(&std::env::temp_dir()))?;
+    let plan = {
+        let job =
+            Job { request: &request, executable: &executable, folder: &folder, main: &main, scratch: scratch.path() };
+        call::plan(&job)?
+    };
+    Ok(Ready { request, executable, version, scratch, plan, until })
 }
 
 /// The image without its first rows, all of which it has.

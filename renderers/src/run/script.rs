@@ -17,7 +17,8 @@ const PRELUDE: &str = include_str!("prelude.py");
 const PROBE_TIME: Duration = Duration::from_secs(60);
 
 /// Whether the executable is to be used with a script.
-pub(crate) fn is_python(executable: &Path) -> bool {
+#[must_use]
+pub fn is_python(executable: &Path) -> bool {
     executable.file_name().and_then(OsStr::to_str).is_some_and(|name| name.starts_with("python"))
 }
 

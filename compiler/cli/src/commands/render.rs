@@ -40,7 +40,8 @@ pub fn run(command: &Render) -> Result<Exit, Failure> {
         scene.scene.set_sampling(plan.samples, 0);
     }
     let ledger = scene.ledger(target);
-    let writing = Writing { camera: Some(scene.camera), choices: scene.project.choices.clone(), ledger: Some(&ledger) };
+    let choices = scene.project.choices.clone();
+    let writing = Writing { camera: Some(scene.camera), choices, ledger: Some(&ledger), ..Writing::default() };
     let job = Job::written(&scene.scene, &runner, &writing)?;
     let log = log_of(command);
     let rendered = watch(&job, plan, seed, (&log, command.force))?;

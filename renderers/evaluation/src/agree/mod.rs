@@ -7,18 +7,17 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use ltsc_core::ir::Scene;
-use ltsc_core::ledger::Ledger;
 use ltsc_core::valid::Valid;
 use ltsc_render::image::{Image, Provenance, exr_bytes, read, reduce};
 use ltsc_render::run::{Driver, Rendered};
 
-use crate::compare::verdict::{self, Outcome, Tolerance, Verdict};
-use crate::compare::{CompareError, Images};
+use crate::compare::Images;
+use crate::compare::verdict::{self, GRIDS, Stated, Tolerance, judge_stated};
 use crate::disk::{not_ours, unwritable, write_whole};
 use crate::failure::{Exit, Failure};
-use crate::job::{Job, Runner, lacks, target_of};
+use crate::job::{Job, Runner, lacks, stated};
 use crate::watch::Watch;
-use page::{Row, Side, Stated};
+use page::{Row, Side};
 
 /// What is rendered, and how it is judged.
 pub struct Study<'a> {
@@ -109,11 +108,12 @@ impl Study<'_> {
         let more: f64 = stated.iter().map(|one| one.share).sum();
         let of = |made: &'_ Made| made.images.len();
         let side = |images| verdict::Rendered { images: Images::Held(images), samples: f64::from(self.samples) };
-        let (verdict, excused) = judged(side(&a.images), side(&b.images), self.tolerance, more).map_err(|error| {
-            let (one, other) = (&a.side.name, &b.side.name);
-            let counts = format!("{one} ({}) and {other} ({})", of(a), of(b));
-            Failure::new(Exit::Environment, format!("{}: {counts}: {error}", scene.name)).help(error.hint())
-        })?;
+        let (verdict, excused) = judge_stated(side(&a.images), side(&b.images), self.tolerance, more, GRIDS[0])
+            .map_err(|error| {
+                let (one, other) = (&a.side.name, &b.side.name);
+                let counts = format!("{one} ({}) and {other} ({})", of(a), of(b));
+                Failure::new(Exit::Environment, format!("{}: {counts}: {error}", scene.name)).help(error.hint())
+            })?;
         Ok(Row {
             scene: scene.name.clone(),
             settings: self.settings.to_vec(),
@@ -201,40 +201,6 @@ impl Study<'_> {
     }
 }
 
-/// By how much of what targets state the tolerance for agreement grows at most: images may differ by more without being called
-/// different, and are not called equal.
-const MOST_STATED: f64 = 0.1;
-
-/// The verdict within a tolerance and what targets state beside it, `more`; and whether the images differ by more than would still be
-/// called agreement, and by no more than is stated.
-fn judged(
-    a: verdict::Rendered<'_>,
-    b: verdict::Rendered<'_>,
-    tolerance: Tolerance,
-    more: f64,
-) -> Result<(Verdict, bool), CompareError> {
-    let within = |more: f64| Tolerance { tiles: tolerance.tiles + more, whole: tolerance.whole + more };
-    let verdict = verdict::judge(a, b, within(more.min(MOST_STATED)))?;
-    if more <= MOST_STATED || verdict.outcome != Outcome::Differ {
-        return Ok((verdict, false));
-    }
-    let wide = verdict::judge(a, b, within(more))?;
-    if wide.outcome == Outcome::Differ {
-        return Ok((wide, false));
-    }
-    Ok((Verdict { outcome: Outcome::Undecided, ..verdict }, true))
-}
-
-/// What a renderer's target states of a scene with a number: by how much its light may be off.
-fn stated(scene: &Scene, driver: &Driver) -> Vec<Stated> {
-    let ledger = Ledger::of(scene, target_of(driver), &[]);
-    let here = ledger.approximated.iter().filter_map(|one| {
-        let share = one.here.as_ref()?.at_most;
-        (share > 0.0).then(|| Stated { by: driver.name.to_owned(), what: one.what.to_owned(), share })
-    });
-    here.collect()
-}
-
 fn keep(file: &Path, image: &Image, provenance: &Provenance) -> Result<(), Failure> {
     let folder = file.parent().unwrap_or(Path::new("."));
     let bytes = exr_bytes(file, image, provenance)
@@ -251,27 +217,4 @@ fn known(file: &Path, key: &str) -> Option<(Image, String, f64)> {
     let (image, attributes) = read(file).ok()?;
     let of = Provenance::from_attributes(&attributes);
     (of.scene_hash == key).then_some((image, of.renderer_version, of.seconds))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn what_is_stated_widens_agreement_by_a_tenth_at_most() {
-        let flat = |value: f32| vec![Image::filled(16, 16, [value; 3]); 4];
-        let of = |ratio: f32, more: f64| {
-            let (a, b) = (flat(1.0), flat(ratio));
-            let side = |images| verdict::Rendered { images: Images::Held(images), samples: 16.0 };
-            let (verdict, excused) =
-                judged(side(&a), side(&b), Tolerance { tiles: 0.05, whole: 0.01 }, more).expect("a verdict");
-            (verdict.outcome, excused)
-        };
-        assert_eq!(of(1.005, 0.0), (Outcome::Agree, false));
-        assert_eq!(of(1.08, 0.0), (Outcome::Differ, false));
-        assert_eq!(of(1.08, 0.09), (Outcome::Agree, false));
-        assert_eq!(of(1.08, 2.7), (Outcome::Agree, false), "within what a tenth allows");
-        assert_eq!(of(1.5, 2.7), (Outcome::Undecided, true), "stated, and no agreement");
-        assert_eq!(of(1.5, 0.2), (Outcome::Differ, false), "more than is stated");
-    }
 }

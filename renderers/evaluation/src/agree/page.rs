@@ -3,7 +3,7 @@
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-use crate::compare::verdict::{Cell, Outcome, Verdict};
+use crate::compare::verdict::{Outcome, Stated, Told, Verdict};
 use ltsc_render::regular;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -46,20 +46,6 @@ pub struct Row {
     pub verdict: Verdict,
 }
 
-/// By how much a target says that it may be off for a scene.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Stated {
-    /// The renderer.
-    pub by: String,
-    /// In what.
-    pub what: String,
-    /// The largest share.
-    pub share: f64,
-}
-
-/// A channel by its number.
-const CHANNELS: [&str; 3] = ["red", "green", "blue"];
-
 impl Row {
     /// For people.
     pub fn text(&self) -> String {
@@ -70,10 +56,10 @@ impl Row {
             self.a.name,
             self.b.name,
             verdict.outcome.word(),
-            self.proof(),
-            self.channels()
+            self.told().proof(),
+            self.told().channels()
         );
-        for note in self.notes() {
+        for note in self.told().notes() {
             text.push_str(&format!("    {note}\n"));
         }
         text
@@ -85,82 +71,13 @@ impl Row {
         format!("{}\n", text.lines().next().unwrap_or_default())
     }
 
-    /// The ratios of the channels with their standard errors.
-    fn channels(&self) -> String {
-        let of = |channel: &crate::compare::verdict::Channel| match channel.ratio {
-            Some(ratio) => format!("{ratio:.4} +- {:.4}", channel.error),
-            None => "-".to_owned(),
-        };
-        self.verdict.channels.iter().map(of).collect::<Vec<_>>().join(", ")
-    }
-
-    /// What stands behind the outcome, in words.
-    fn proof(&self) -> String {
-        let verdict = &self.verdict;
-        let within = format!(
-            "{:.1} % in each of {} tiles, {:.1} % in the whole",
-            100.0 * verdict.tolerance.tiles,
-            verdict.tiles.len(),
-            100.0 * verdict.tolerance.whole
-        );
-        match verdict.outcome {
-            Outcome::Agree => format!("within {within}"),
-            Outcome::Differ => format!("{}, z {:.1}, by more than {within}", place(&verdict.worst), verdict.worst.z),
-            Outcome::Undecided if self.excused => {
-                format!("{}, by more than {within}, which the targets state", place(&verdict.worst))
-            }
-            Outcome::Undecided => {
-                let open = verdict.tiles.iter().filter(|tile| **tile != Outcome::Agree).count();
-                let samples = |samples: Option<f64>| samples.map_or("more than can be told".to_owned(), rounded);
-                let needed = verdict.needed.map_or(String::new(), |needed| {
-                    let (half, most) = (samples(needed.half), samples(needed.most));
-                    format!("; if they are equal, {half} samples per pixel would show it in one of two cases, {most} in nine of ten")
-                });
-                format!("{open} tiles not within {within}{needed}")
-            }
-        }
-    }
-
-    /// What else there is to know.
-    fn notes(&self) -> Vec<String> {
-        let verdict = &self.verdict;
-        let mut notes: Vec<String> = Vec::new();
-        for Stated { by, what, share } in &self.stated {
-            notes.push(format!("{by} states up to {:.1} % for {what}", 100.0 * share));
-        }
-        if verdict.rare > 0 {
-            notes.push(format!("{} tiles agree beside rare bright samples that they have not met", verdict.rare));
-        }
-        if verdict.together.0 || verdict.together.1 {
-            notes.push("whole images go up and down together".to_owned());
-        }
-        if verdict.masked > 0 {
-            notes.push(format!("{} pixels left out: not finite, or a light seen directly", verdict.masked));
-        }
-        notes
+    fn told(&self) -> Told<'_> {
+        Told { verdict: &self.verdict, stated: &self.stated, excused: self.excused }
     }
 
     fn key(&self) -> (&str, &[String], &str, &str) {
         (&self.scene, &self.settings, &self.a.name, &self.b.name)
     }
-}
-
-/// A place and its ratio in words: `green of tile 3, 4 is 1.0210 of it`.
-fn place(cell: &Cell) -> String {
-    let Cell { grid, at: (column, row), channel, ratio, z: _ } = cell;
-    let of = match grid {
-        1 => "the whole image".to_owned(),
-        8 => format!("tile {column}, {row}"),
-        _ => format!("cell {column}, {row} of {grid} x {grid}"),
-    };
-    let ratio = ratio.map_or("light where A is black".to_owned(), |ratio| format!("{ratio:.4}"));
-    format!("{} of {of}: {ratio}", CHANNELS[(*channel).min(2)])
-}
-
-/// Samples to two digits.
-fn rounded(samples: f64) -> String {
-    let scale = 10_f64.powf(samples.log10().floor() - 1.0).max(1.0);
-    format!("{:.0}", (samples / scale).ceil() * scale)
 }
 
 /// The thesis's own Mitsuba 0.5 images against its PBRT 3 ones, 512 x 512 in tiles of 32 pixels: ratio of the means (Mitsuba / PBRT,
@@ -293,7 +210,7 @@ fn page(rows: &[Row]) -> String {
 fn line(row: &Row) -> String {
     let verdict = &row.verdict;
     let settings = row.settings.iter().map(|one| format!("`{one}`"));
-    let notes: Vec<String> = settings.chain([row.proof()]).chain(row.notes()).collect();
+    let notes: Vec<String> = settings.chain([row.told().proof()]).chain(row.told().notes()).collect();
     let (a, b) = verdict.images;
     let counts = if row.a.name == "reference" { format!("{a}, {b}") } else { format!("{a} each") };
     format!(
@@ -301,7 +218,7 @@ fn line(row: &Row) -> String {
         row.a.name,
         row.b.name,
         row.samples,
-        row.channels(),
+        row.told().channels(),
         verdict.outcome.word(),
         verdict.tiles.iter().filter(|tile| **tile == Outcome::Agree).count(),
         verdict.tiles.len(),
@@ -314,7 +231,7 @@ fn line(row: &Row) -> String {
 mod tests {
     use std::fs;
 
-    use crate::compare::verdict::{Channel, Tolerance};
+    use crate::compare::verdict::{Cell, Channel, Tolerance};
 
     use super::*;
 

@@ -5,12 +5,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use ltsc_core::diag::{FileId, Finding, Span};
 use ltsc_core::formats;
 
-use super::command::split;
 use super::model::{At, Parameter, Source, Value};
 use super::python::{self, Python};
 use super::reader::near;
 use super::statement::not_three;
 use super::written::{Overriding, Parameters, Written, WrittenCase, WrittenOutput, WrittenRenderer, WrittenScene};
+use crate::command::split;
 
 /// What the tool asks of a configuration.
 const NAMES: [&str; 5] = ["configuration", "scenes", "renderers", "parameter_sets", "test_cases"];

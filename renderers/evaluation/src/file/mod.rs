@@ -2,10 +2,9 @@
 //!
 //! Reading order: `model` (what an evaluation is), `written` (what a file says), `read` with `reader`, `parts`, `statement` and `sweep`
 //! (text to what it says), `resolve` with `renderer`, `translate` and `compare` (names looked up, everything multiplied out),
-//! `command` (programs without a driver), `print` (text again), `lteval` with `python` (configurations of the thesis's tool).
+//! `print` (text again), `lteval` with `python` (configurations of the thesis's tool).
 //! Nothing is read or rendered here: what else must be known is asked of [`Surroundings`].
 
-pub mod command;
 mod compare;
 pub mod lteval;
 pub mod model;

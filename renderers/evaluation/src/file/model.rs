@@ -10,7 +10,7 @@ pub use ltsc_core::formats::statements::Value;
 use ltsc_core::ir::Filter;
 use ltsc_render::run::Driver;
 
-use super::command::Command;
+use crate::command::Command;
 use crate::compare::verdict::Tolerance;
 
 /// A value and its place. Places do not count when values are compared.

@@ -2,7 +2,6 @@
 
 use ltsc_core::diag::{FileId, Finding};
 
-use super::command::split;
 use super::model::{At, Reference, Source};
 use super::parts;
 use super::reader::{Item, Reader, Table, near};
@@ -12,6 +11,8 @@ use super::written::{
     Against, Exclude, Overriding, Parameters, Written, WrittenCase, WrittenCompare, WrittenOutput, WrittenRenderer,
     WrittenScene,
 };
+use crate::command::split;
+use crate::compare::verdict::GRIDS;
 
 /// The placeholders of reference files.
 pub const IN_REFERENCES: &[&str] = &["scene", "condition", "case", "renderer", "target"];
@@ -343,7 +344,18 @@ fn compare(item: &Item<'_>, reader: &mut Reader) -> WrittenCompare {
     let pairs: Vec<_> = pairs.collect();
     let tolerance = table.take("tolerance").and_then(|item| parts::share(&item, reader));
     let mean_tolerance = table.take("mean_tolerance").and_then(|item| parts::share(&item, reader));
-    let tiles = table.take("tiles").and_then(|item| item.count(reader, 1..=256));
+    let tiles = table.take("tiles").and_then(|item| {
+        let span = item.span;
+        let tiles = item.count(reader, 1..=256)?;
+        if !GRIDS.contains(&(tiles.value as usize)) {
+            let message = format!("{} tiles along each side are not among those of a verdict", tiles.value);
+            reader.error("evaluation-value", span, message).help = Some(
+                "take 8, 4, 2 or 1: larger tiles have less noise, and tell less of where images differ".to_owned(),
+            );
+            return None;
+        }
+        Some(tiles)
+    });
     table.finish(reader);
     WrittenCompare { against, pairs, tolerance, mean_tolerance, tiles }
 }

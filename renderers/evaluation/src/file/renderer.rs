@@ -4,11 +4,11 @@ use ltsc_core::diag::Span;
 use ltsc_core::formats::{self, TARGETS, Target};
 use ltsc_render::run::{DRIVERS, Driver, driver};
 
-use super::command::Command;
 use super::model::{At, Renderer};
 use super::reader::near;
 use super::resolve::Findings;
 use super::written::WrittenRenderer;
+use crate::command::Command;
 
 /// The renderers so far.
 pub(super) struct Renderers {

@@ -12,15 +12,20 @@
 
 mod normal;
 mod side;
+mod stated;
+mod words;
 
 use serde::{Deserialize, Serialize};
 
 use super::moments::Moments;
 use super::{CompareError, Images};
+pub use stated::{Stated, judge_stated};
+pub use words::Told;
+
 use side::{Estimate, Noise, Place, Side};
 
-/// Tiles along each side, and the coarser cuts.
-const GRIDS: [usize; 4] = [8, 4, 2, 1];
+/// Tiles along each side, and the coarser cuts. Any of them may be the finest one of a verdict; noise is always estimated on all.
+pub const GRIDS: [usize; 4] = [8, 4, 2, 1];
 
 /// The chance that two equal renderers are told apart, over all tests of a comparison.
 const FALSE_ALARM: f64 = 0.005;
@@ -78,6 +83,14 @@ pub enum Outcome {
     Differ,
     /// Neither is proved.
     Undecided,
+}
+
+impl Verdict {
+    /// Tiles along each side.
+    #[must_use]
+    pub fn side(&self) -> usize {
+        self.tiles.len().isqrt()
+    }
 }
 
 impl Outcome {
@@ -138,7 +151,7 @@ pub struct Verdict {
     pub images: (usize, usize),
     /// Red, green and blue over the whole image.
     pub channels: [Channel; 3],
-    /// Of the tiles of the finest grid, row by row.
+    /// Of the tiles of the finest grid, row by row; as many along each side as the square root of their number.
     pub tiles: Vec<Outcome>,
     /// Of all cells and channels the one that differs the most for its noise.
     pub worst: Cell,
@@ -221,6 +234,14 @@ impl Test {
 /// Refuses images of different sizes, an A without images or without light, and a B of fewer than 3 images, which tell too little of
 /// their noise (4 and more are better, 8 recommended).
 pub fn judge(a: Rendered<'_>, b: Rendered<'_>, tolerance: Tolerance) -> Result<Verdict, CompareError> {
+    judge_in(a, b, tolerance, GRIDS[0])
+}
+
+/// The same with `fine` tiles along each side, one of [`GRIDS`]: larger tiles have less noise, and tell less of where images differ.
+///
+/// # Errors
+/// As of [`judge`].
+pub fn judge_in(a: Rendered<'_>, b: Rendered<'_>, tolerance: Tolerance, fine: usize) -> Result<Verdict, CompareError> {
     let counts = (a.images.count(), b.images.count());
     // One image of A is a reference without noise.
     if counts.0 == 0 {
@@ -246,14 +267,15 @@ pub fn judge(a: Rendered<'_>, b: Rendered<'_>, tolerance: Tolerance) -> Result<V
     let sides = [Side::of(of_a, a.images, &mask, a.samples)?, Side::of(of_b, b.images, &mask, b.samples)?];
     drop(moments);
     let noise = [0, 1].map(|at: usize| sides[at].noise());
-    let tests = tests(&sides, noise, tolerance)?;
+    let tests = tests(&sides, noise, tolerance, fine)?;
     let count = tests.len() as f64;
     let bound = normal::exceeded((1.0 - (1.0 - FALSE_ALARM).powf(1.0 / count)) / 2.0);
-    Ok(verdict(tests, bound, tolerance, counts, noise, masked, b.samples * counts.1 as f64))
+    let samples = b.samples * counts.1 as f64;
+    Ok(verdict(tests, bound, (tolerance, fine), counts, noise, masked, samples))
 }
 
 /// All cells in all channels, the finest grid first.
-fn tests(sides: &[Side; 2], noise: [Noise; 2], tolerance: Tolerance) -> Result<Vec<Test>, CompareError> {
+fn tests(sides: &[Side; 2], noise: [Noise; 2], tolerance: Tolerance, fine: usize) -> Result<Vec<Test>, CompareError> {
     let of = |cell: Place, channel: usize| {
         (sides[0].estimate(cell, channel, noise[0]), sides[1].estimate(cell, channel, noise[1]))
     };
@@ -267,8 +289,8 @@ fn tests(sides: &[Side; 2], noise: [Noise; 2], tolerance: Tolerance) -> Result<V
     let shares: f64 =
         sides.iter().map(|side| if side.is_exact() { 0.0 } else { (side.count * side.samples).powi(-2) }).sum();
     let mut all = Vec::new();
-    for grid in GRIDS {
-        let tile = grid == GRIDS[0];
+    for grid in GRIDS.into_iter().filter(|grid| *grid <= fine) {
+        let tile = grid == fine;
         let sizes: Vec<f64> = (0..grid * grid).map(|index| sides[0].size(Place { grid, index })).collect();
         for (channel, least) in least.into_iter().enumerate() {
             let estimates: Vec<Option<(Estimate, Estimate)>> = (0..grid * grid)
@@ -309,13 +331,12 @@ fn tests(sides: &[Side; 2], noise: [Noise; 2], tolerance: Tolerance) -> Result<V
 fn verdict(
     tests: Vec<Test>,
     bound: f64,
-    tolerance: Tolerance,
+    (tolerance, fine): (Tolerance, usize),
     images: (usize, usize),
     noise: [Noise; 2],
     masked: usize,
     samples: f64,
 ) -> Verdict {
-    let fine = GRIDS[0];
     let of_tile = |tile: usize| {
         tests.iter().filter(move |test| test.cell.grid == fine && test.cell.at == (tile % fine, tile / fine))
     };
@@ -363,7 +384,7 @@ fn verdict(
         channels: [0, 1, 2].map(channel),
         worst: worst.map_or(Cell { grid: 1, at: (0, 0), channel: 0, ratio: None, z: 0.0 }, |test| test.cell),
         differing,
-        needed: (outcome == Outcome::Undecided).then(|| needed(&tests, samples)),
+        needed: (outcome == Outcome::Undecided).then(|| needed(&tests, samples, fine)),
         rare,
         together: (noise[0].together, noise[1].together),
         tiles,
@@ -372,8 +393,8 @@ fn verdict(
 }
 
 /// How many samples prove agreement if the two are equal; `samples` are those that B has in all.
-fn needed(tests: &[Test], samples: f64) -> Needed {
-    let must: Vec<&Test> = tests.iter().filter(|test| matches!(test.cell.grid, 1 | 8)).collect();
+fn needed(tests: &[Test], samples: f64, fine: usize) -> Needed {
+    let must: Vec<&Test> = tests.iter().filter(|test| test.cell.grid == 1 || test.cell.grid == fine).collect();
     // Of each cell the channel that is the least sure decides.
     let chances = |factor: f64| {
         let mut all = std::collections::BTreeMap::new();
@@ -398,7 +419,7 @@ fn needed(tests: &[Test], samples: f64) -> Needed {
     };
     let (half, most) = (factor(0.5), factor(0.9));
     let least = chances(half.unwrap_or(FARTHEST)).into_iter().min_by(|one, other| one.1.total_cmp(&other.1));
-    let tile = least.and_then(|((grid, at), _)| (grid == GRIDS[0]).then_some(at));
+    let tile = least.and_then(|((grid, at), _)| (grid == fine && fine > 1).then_some(at));
     Needed { half: half.map(|factor| factor * samples), most: most.map(|factor| factor * samples), tile }
 }
 

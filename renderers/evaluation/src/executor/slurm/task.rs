@@ -5,9 +5,11 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use ltsc_render::regular;
+use ltsc_render::run::without_driver;
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
 use crate::chunk::Store;
+use crate::command::Command;
 use crate::disk::{unwritable, write_whole};
 use crate::executor::Task;
 use crate::failure::{Exit, Failure, why};
@@ -48,12 +50,18 @@ pub struct Listed {
     pub threads: Option<usize>,
     /// Seconds for one chunk.
     pub timeout: Option<f64>,
+    /// Further arguments of the program.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub options: Vec<String>,
+    /// The words of its command, where it has one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub command: Option<Vec<String>>,
 }
 
 impl Listed {
     /// A job whose files are in `folder`.
     pub fn of(job: &Job<'_>, folder: PathBuf) -> Self {
-        let Runner { driver, found, threads, timeout, .. } = job.runner();
+        let Runner { driver, found, threads, timeout, options, command, .. } = job.runner();
         Self {
             identity: job.identity(),
             folder,
@@ -64,6 +72,8 @@ impl Listed {
             version: found.version.clone(),
             threads: *threads,
             timeout: timeout.map(|timeout| timeout.as_secs_f64()),
+            options: options.clone(),
+            command: command.as_ref().map(Command::texts),
         }
     }
 }
@@ -147,9 +157,17 @@ fn element(list: &List, index: usize) -> Result<String, Failure> {
 fn runner(listed: &Listed) -> Result<Runner, Failure> {
     let same = "the renderer must be the same one, in the same place, on all machines";
     let timeout = listed.timeout.map(Duration::try_from_secs_f64).and_then(Result::ok);
-    let driver = driver_called(&listed.driver)?;
-    let mut runner =
-        Runner::find(driver, Some(&listed.executable), None, timeout).map_err(|failure| failure.help(same))?;
+    let found = match &listed.command {
+        None => Runner::find(driver_called(&listed.driver)?, Some(&listed.executable), None, timeout),
+        Some(words) => {
+            let command = Command::new(words).map_err(|(message, _)| Failure::new(Exit::Input, message))?;
+            let driver = without_driver(&listed.driver).map_or_else(|| driver_called(&listed.driver), Ok)?;
+            Runner::called(driver, command, Some(&listed.executable), timeout)
+        }
+    };
+    let mut runner = found.map_err(|failure| failure.help(same))?;
+    let driver = runner.driver;
+    runner.options.clone_from(&listed.options);
     if runner.found.version != listed.version {
         let message = format!(
             "{} is {} {} here, not {}",

@@ -1,6 +1,10 @@
 //! Commands of renderers that have no driver of ours: words with placeholders.
 
 use std::fmt::Write as _;
+use std::sync::Arc;
+
+use ltsc_core::diag::nearest;
+use ltsc_render::run::Call;
 
 /// The placeholders, each with what takes its place.
 pub const PLACEHOLDERS: &[(&str, &str)] = &[
@@ -79,6 +83,13 @@ impl Command {
         filled
     }
 
+    /// How a renderer is called by it.
+    #[must_use]
+    pub fn call(&self, options: &[String]) -> Call {
+        let (command, options) = (self.clone(), options.to_vec());
+        Call { seeded: self.uses("seed"), words: Arc::new(move |value| command.fill(&options, value)) }
+    }
+
     /// The words as they are written.
     #[must_use]
     pub fn texts(&self) -> Vec<String> {
@@ -122,7 +133,7 @@ fn pieces(word: &str) -> Result<Vec<Piece>, (String, Option<String>)> {
                 let name = &rest[1..end];
                 let known = PLACEHOLDERS.iter().map(|(known, _)| *known);
                 let Some(name) = known.clone().find(|known| *known == name) else {
-                    let help = super::reader::near(name, known);
+                    let help = nearest(name, known).map(|near| format!("did you mean `{near}`?"));
                     return Err((format!("there is no placeholder `{{{name}}}`"), help));
                 };
                 if !text.is_empty() {

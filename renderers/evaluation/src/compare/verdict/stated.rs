@@ -1,0 +1,70 @@
+//! What targets state of a scene, and verdicts that allow for it.
+
+use serde::{Deserialize, Serialize};
+
+use super::{CompareError, Outcome, Rendered, Tolerance, Verdict, judge_in};
+
+/// By how much a target says that it may be off for a scene.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Stated {
+    /// The renderer.
+    pub by: String,
+    /// In what.
+    pub what: String,
+    /// The largest share.
+    pub share: f64,
+}
+
+/// By how much of what targets state the tolerance for agreement grows at most: images may differ by more without being called
+/// different, and are not called equal.
+const MOST_STATED: f64 = 0.1;
+
+/// The verdict within a tolerance and what targets state beside it, `more`; and whether the images differ by more than would still be
+/// called agreement, and by no more than is stated.
+///
+/// # Errors
+/// As of [`judge_in`].
+pub fn judge_stated(
+    a: Rendered<'_>,
+    b: Rendered<'_>,
+    tolerance: Tolerance,
+    more: f64,
+    fine: usize,
+) -> Result<(Verdict, bool), CompareError> {
+    let within = |more: f64| Tolerance { tiles: tolerance.tiles + more, whole: tolerance.whole + more };
+    let verdict = judge_in(a, b, within(more.min(MOST_STATED)), fine)?;
+    if more <= MOST_STATED || verdict.outcome != Outcome::Differ {
+        return Ok((verdict, false));
+    }
+    let wide = judge_in(a, b, within(more), fine)?;
+    if wide.outcome == Outcome::Differ {
+        return Ok((wide, false));
+    }
+    Ok((Verdict { outcome: Outcome::Undecided, ..verdict }, true))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Outcome;
+    use super::*;
+    use crate::compare::Images;
+    use ltsc_render::image::Image;
+
+    #[test]
+    fn what_is_stated_widens_agreement_by_a_tenth_at_most() {
+        let flat = |value: f32| vec![Image::filled(16, 16, [value; 3]); 4];
+        let of = |ratio: f32, more: f64| {
+            let (a, b) = (flat(1.0), flat(ratio));
+            let side = |images| Rendered { images: Images::Held(images), samples: 16.0 };
+            let (verdict, excused) =
+                judge_stated(side(&a), side(&b), Tolerance { tiles: 0.05, whole: 0.01 }, more, 8).expect("a verdict");
+            (verdict.outcome, excused)
+        };
+        assert_eq!(of(1.005, 0.0), (Outcome::Agree, false));
+        assert_eq!(of(1.08, 0.0), (Outcome::Differ, false));
+        assert_eq!(of(1.08, 0.09), (Outcome::Agree, false));
+        assert_eq!(of(1.08, 2.7), (Outcome::Agree, false), "within what a tenth allows");
+        assert_eq!(of(1.5, 2.7), (Outcome::Undecided, true), "stated, and no agreement");
+        assert_eq!(of(1.5, 0.2), (Outcome::Differ, false), "more than is stated");
+    }
+}
