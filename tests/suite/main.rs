@@ -9,6 +9,7 @@ mod cli;
 mod conventions;
 mod edits;
 mod endless;
+mod eval;
 mod evaluation_file;
 mod files;
 mod fixes;

@@ -295,8 +295,8 @@ fn every_code_has_a_page_and_every_page_a_code() {
     let mut known: BTreeSet<&str> = ltsc_core::diag::CODES.iter().map(|code| code.id).collect();
     known.extend(ltsc_core::lint::RULES.iter().map(|rule| rule.id));
     let mut named = BTreeSet::new();
-    let evaluations = rust_files("renderers/evaluation/src/file");
-    for (path, text) in rust_files("compiler/core/src").into_iter().chain(evaluations) {
+    let evaluations = ["file", "study"].map(|folder| rust_files(&format!("renderers/evaluation/src/{folder}")));
+    for (path, text) in rust_files("compiler/core/src").into_iter().chain(evaluations.into_iter().flatten()) {
         if path == "diag/codes.rs" {
             continue;
         }

@@ -68,7 +68,7 @@ pub fn command() -> clap::Command {
     let names: Vec<String> = command.get_subcommands().map(|one| one.get_name().to_owned()).collect();
     // One that is changed goes to the end, so that all of them go there in their order.
     for name in names {
-        let own = matches!(name.as_str(), "agree" | "similar");
+        let own = matches!(name.as_str(), "agree" | "eval" | "similar");
         command = command.mut_subcommand(name, |one| if own { form(one) } else { one });
     }
     command
@@ -100,7 +100,7 @@ fn unfit(matches: &ArgMatches) -> Option<String> {
     }
     let flag = |name: &str| inner.try_get_one::<bool>(name).ok().flatten().copied().unwrap_or(false);
     let findings = matches!(format, Format::Sarif | Format::Github);
-    if ["diff", "agree", "similar", "list", "conventions"].contains(&name) && findings {
+    if ["diff", "agree", "eval", "clean", "similar", "list", "conventions"].contains(&name) && findings {
         return Some(format!(
             "`{format}` is for findings, and `{name}` gives another answer: it has human, short and json"
         ));
@@ -197,6 +197,22 @@ pub enum Command {
         after_help = "Examples:\n  ltsc agree scenes-src/ring.lts\n  ltsc agree scenes-src/ring.lts --renderer mitsuba-3,cycles --seeds 8 --samples 128\n  ltsc agree --keep images --record docs/agreement.json\n  ltsc agree --check --record docs/agreement.json    (exit 1 if the page is stale)"
     )]
     Agree(Agree),
+    /// Carry out an evaluation: render test cases, compare their images, and write what follows.
+    ///
+    /// Everything that the file says is checked before anything is rendered. Images are rendered in chunks, which the cache keeps: a run
+    /// that is ended goes on where it was, and what was rendered once is not rendered again. The results are a folder with images,
+    /// tables (summary.md, images.csv, comparisons.csv), results.json and timing.json.
+    #[command(
+        after_help = "Examples:\n  ltsc eval scenes-src/eval/minimal.toml\n  ltsc eval basic.toml --dry-run              (what would be rendered, and how long it takes)\n  ltsc eval sweep.toml --set lamp_side=5,20,80\n  ltsc eval all.toml --keep-going --jobs 2\n  ltsc eval all.toml --executor slurm --shared /mnt/shared --option=--partition=short\n  ltsc eval --from-lteval cfg.py > cfg.toml   (a configuration of the thesis's tool)"
+    )]
+    Eval(Box<Eval>),
+    /// Remove results of earlier evaluations.
+    ///
+    /// Nothing but files that ltsc wrote and nobody has changed since is removed, and of each evaluation the newest results stay.
+    #[command(
+        after_help = "Examples:\n  ltsc clean results --dry-run\n  ltsc clean results\n  ltsc clean results --keep 3\n  ltsc clean results --files    (only the files of failed cases)"
+    )]
+    Clean(Clean),
     /// List and install renderers.
     Renderers(Renderers),
     /// Show what the user's cache holds, and remove what is old: renderings in chunks, and installations.
@@ -514,6 +530,90 @@ pub struct Diff {
     /// Exit with 1 if a channel's mean or a tile differs by more than this share (0.02 is 2 %).
     #[arg(long, value_name = "SHARE")]
     pub tolerance: Option<f64>,
+    /// How the result is printed.
+    #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
+    pub format: Format,
+}
+
+#[derive(Args, Debug)]
+pub struct Eval {
+    /// The evaluation file.
+    #[arg(value_name = "FILE.toml", required_unless_present = "from_lteval")]
+    pub file: Option<PathBuf>,
+    /// Print a configuration of the thesis's tool as an evaluation file; it is read, and not run.
+    #[arg(long, value_name = "CFG.py", conflicts_with_all = ["file", "dry_run", "output", "set", "keep_going"])]
+    pub from_lteval: Option<PathBuf>,
+    /// The folder of the results [default: what the file says, `results/NAME DATE` beside it].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Write also over files that ltsc did not write, or that were changed since.
+    #[arg(long)]
+    pub force: bool,
+    /// Say what would be rendered and how long it takes, and render nothing.
+    #[arg(long)]
+    pub dry_run: bool,
+    /// Go on with the other cases where one fails.
+    #[arg(long)]
+    pub keep_going: bool,
+    /// When files written for renderers are left out of the results: where a case succeeds, always, or never.
+    #[arg(long, value_name = "WHEN", value_enum, default_value_t = CleanWhen::Success)]
+    pub clean: CleanWhen,
+    /// Values of a parameter of the scenes, each of which makes a condition; may be given several times.
+    #[arg(long, value_name = "NAME=VALUE,...")]
+    pub set: Vec<String>,
+    /// Renderers at once; they share the processors.
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
+    pub jobs: u32,
+    /// Memory for all renderers at once, in gigabytes [default: what the machine has].
+    #[arg(long, value_name = "GB", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
+    pub memory: Option<u64>,
+    /// For times that can be compared: renderers run one at a time, and what was rendered beside others is rendered again.
+    #[arg(long, conflicts_with_all = ["jobs", "executor"])]
+    pub timing: bool,
+    /// Who renders: `local` (this machine) or `slurm` (a cluster).
+    #[arg(long, value_name = "NAME", default_value = "local")]
+    pub executor: String,
+    /// The folder that all machines of a cluster share.
+    #[arg(long, value_name = "DIR")]
+    pub shared: Option<PathBuf>,
+    /// A word for the executor, such as `--option=--partition=short` for Slurm; may be given several times.
+    #[arg(long, value_name = "WORD", allow_hyphen_values = true)]
+    pub option: Vec<String>,
+    /// Allow the programs that the file names to run, now and later.
+    #[arg(long)]
+    pub trust: bool,
+    /// Exit with 1 also where agreement is undecided.
+    #[arg(long)]
+    pub require_agree: bool,
+    #[command(flatten)]
+    pub findings: Findings,
+}
+
+/// When files written for renderers are left out of results.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum CleanWhen {
+    /// Where a case succeeds.
+    Success,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+#[derive(Args, Debug)]
+pub struct Clean {
+    /// Folders of results, or folders with such folders [default: `results` in this folder].
+    #[arg(value_name = "DIR")]
+    pub folders: Vec<PathBuf>,
+    /// Keep so many of the newest results of each evaluation.
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    pub keep: usize,
+    /// Remove the files of failed cases only; results stay.
+    #[arg(long)]
+    pub files: bool,
+    /// Say what would be removed, and remove nothing.
+    #[arg(long)]
+    pub dry_run: bool,
     /// How the result is printed.
     #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
     pub format: Format,

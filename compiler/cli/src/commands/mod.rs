@@ -4,11 +4,13 @@ mod agree;
 mod audit;
 mod build;
 mod cache;
+mod clean;
 mod completions;
 mod conventions;
 mod diff;
 mod doc;
 mod emit;
+mod eval;
 mod explain;
 mod fixes;
 mod fmt;
@@ -43,6 +45,8 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Render(command) => render::run(&command),
         Command::Diff(command) => diff::run(&command),
         Command::Agree(command) => agree::run(&command),
+        Command::Eval(command) => eval::run(&command),
+        Command::Clean(command) => clean::run(&command),
         Command::Renderers(command) => renderers::run(&command),
         Command::Cache(command) => cache::run(&command),
         Command::Conventions(command) => conventions::run(&command),
@@ -73,6 +77,8 @@ fn format_of(command: &Command) -> Format {
         Command::Diff(command) => command.format,
         Command::Conventions(command) => command.format,
         Command::Agree(command) => command.findings.format,
+        Command::Eval(command) => command.findings.format,
+        Command::Clean(command) => command.format,
         Command::Cache(command) => command.format,
         Command::Renderers(command) => match command.action {
             RenderersAction::List { format } => format,

@@ -64,8 +64,20 @@ pub const CODES: &[Code] = &[
         "A native parameter is not written as `[name, type, value]`.\nA statement takes a list of such parameters: `film = [[\"pixelFormat\", \"string\", \"rgb\"]]`. The statement's own type has an empty type: `[\"type\", \"\", \"path\"]`. Several values are a list of their own: `[\"cropwindow\", \"float\", [0, 1, 0, 1]]`. Where the type follows from the value, a table is shorter: `integrator = { type = \"path\", maxDepth = 10 }`.",
     ),
     code(
+        "evaluation-render",
+        "A case of an evaluation cannot be rendered.\nEach case is written for its renderer, read back, and held against what the renderer can do before anything is rendered: algorithms, parameters, seeds, options.",
+    ),
+    code(
+        "evaluation-renderer",
+        "A renderer of an evaluation is not there.\n`ltsc renderers list` says which are, `ltsc renderers install` makes a private copy. The exit code is 4.",
+    ),
+    code(
         "evaluation-scene",
         "A scene of an evaluation is not there, or cannot be rendered for the target of a renderer.\nA name is that of a scene of the project; a path ends in `.lts` or contains `/`, and starts at the evaluation file.",
+    ),
+    remark(
+        "evaluation-seeds",
+        "A renderer has no seeds for a case, so that it renders one image only.\nThe noise of an image is told by independent images of other seeds; without them there are metrics, and no verdict.",
     ),
     code(
         "evaluation-setting",
@@ -242,6 +254,10 @@ pub const CODES: &[Code] = &[
     code(
         "no-statements",
         "A test case gives native statements to a target that has no settings.\nglTF says nothing of integrator, sampler and film: what reads it has settings of its own.",
+    ),
+    remark(
+        "not-comparable",
+        "Two cases of an evaluation are compared whose images are not the same, however many samples are taken.\nWhat the files for the renderers mean is read back: depth of paths (`maxdepth` 10 of PBRT is 11 segments, `maxDepth` 10 of Mitsuba is 10), filter, size and part of the image, clamping, and algorithms that are biased. The comparison is made all the same, and the finding stands beside its verdict.",
     ),
     code("not-text", "A scene file is not text in UTF-8."),
     code("number-range", "A number is too large for double precision."),

@@ -31,6 +31,8 @@ pub struct Cost {
     pub peak_memory: Option<u64>,
     /// Threads of each renderer; none where chunks differ or had all processors.
     pub threads: Option<u32>,
+    /// Renderers that ran at once, by this program's doing; none where chunks differ, or it is not known. Beside others times are longer.
+    pub at_once: Option<u32>,
     /// The machines.
     pub machines: Vec<String>,
     /// The highest load of the machine at the beginning of a chunk; above its cores, times are too long.
@@ -45,7 +47,7 @@ impl Cost {
         machines.sort();
         machines.dedup();
         let first = chunks.first();
-        let threads = first.and_then(|first| first.threads);
+        let (threads, at_once) = first.map_or((None, None), |first| (first.threads, first.at_once));
         Self {
             version: first.map(|first| first.version.clone()).unwrap_or_default(),
             samples: chunks.iter().map(|facts| facts.samples).sum(),
@@ -53,6 +55,7 @@ impl Cost {
             cpu_seconds: chunks.iter().map(|facts| facts.cpu_seconds).sum(),
             peak_memory: chunks.iter().filter_map(|facts| facts.peak_memory).max(),
             threads: threads.filter(|_| chunks.iter().all(|facts| facts.threads == threads)),
+            at_once: at_once.filter(|_| chunks.iter().all(|facts| facts.at_once == at_once)),
             machines,
             load: chunks.iter().filter_map(|facts| facts.load).reduce(f64::max),
         }
@@ -67,6 +70,8 @@ pub struct Chunks {
     pub samples: u32,
     /// What they took.
     pub cost: Cost,
+    /// Seconds of rendering of each.
+    pub seconds: Vec<f64>,
 }
 
 impl Chunks {
@@ -79,7 +84,8 @@ impl Chunks {
         let seeds = first_seed..first_seed.saturating_add(plan.count);
         let files: Vec<PathBuf> = seeds.map(|seed| store.path(&identity, plan.samples, seed)).collect();
         let facts = files.iter().map(|file| facts(file)).collect::<Result<Vec<_>, _>>()?;
-        Ok(Self { files, samples: plan.samples, cost: Cost::of(&facts) })
+        let seconds = facts.iter().map(|facts| facts.seconds).collect();
+        Ok(Self { files, samples: plan.samples, cost: Cost::of(&facts), seconds })
     }
 
     /// For statistics.

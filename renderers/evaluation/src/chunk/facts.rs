@@ -14,6 +14,7 @@ const MEMORY: &str = "peak-memory";
 const MACHINE: &str = "machine";
 const THREADS: &str = "threads";
 const LOAD: &str = "load";
+const AT_ONCE: &str = "at-once";
 
 /// How a chunk was rendered.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -36,12 +37,14 @@ pub struct Facts {
     pub machine: String,
     /// Running processes of the machine when it began, averaged over a minute.
     pub load: Option<f64>,
+    /// Renderers that ran at once, by this program's doing.
+    pub at_once: Option<u32>,
 }
 
 impl Facts {
     /// Of a rendering that has just ended; `load` is that of its beginning.
     #[must_use]
-    pub fn of(rendered: &Rendered, threads: Option<usize>, load: Option<f64>) -> Self {
+    pub fn of(rendered: &Rendered, threads: Option<usize>, load: Option<f64>, at_once: Option<u32>) -> Self {
         Self {
             version: rendered.renderer_version.clone(),
             samples: rendered.samples_done,
@@ -52,6 +55,7 @@ impl Facts {
             threads: threads.and_then(|threads| u32::try_from(threads).ok()),
             machine: Machine::here().to_string(),
             load,
+            at_once,
         }
     }
 
@@ -64,6 +68,7 @@ impl Facts {
         add(CPU, self.cpu_seconds.map(|seconds| format!("{seconds:.2}")));
         add(MEMORY, self.peak_memory.map(|bytes| bytes.to_string()));
         add(THREADS, self.threads.map(|threads| threads.to_string()));
+        add(AT_ONCE, self.at_once.map(|count| count.to_string()));
         add(LOAD, self.load.map(|load| format!("{load:.2}")));
         add(MACHINE, Some(self.machine.clone()));
     }
@@ -83,6 +88,7 @@ impl Facts {
             threads: text(THREADS).and_then(|value| value.parse().ok()),
             machine: text(MACHINE).unwrap_or_default().to_owned(),
             load: number(LOAD),
+            at_once: text(AT_ONCE).and_then(|value| value.parse().ok()),
         }
     }
 }
@@ -156,6 +162,7 @@ mod tests {
             threads: Some(1),
             machine: Machine::here().to_string(),
             load: Some(0.5),
+            at_once: Some(2),
         };
         let mut provenance = Provenance {
             renderer_version: facts.version.clone(),

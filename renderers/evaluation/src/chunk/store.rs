@@ -26,6 +26,10 @@ const POLL: Duration = Duration::from_millis(200);
 #[derive(Clone, Debug)]
 pub struct Store {
     root: PathBuf,
+    /// Renderers that run at once; none where that is not this process's doing.
+    at_once: Option<u32>,
+    /// Whether a chunk that was not rendered alone is rendered again: for times.
+    alone: bool,
 }
 
 /// All chunks of one description in a store.
@@ -66,7 +70,19 @@ impl Store {
     /// One in a folder, which need not exist.
     #[must_use]
     pub fn at(root: PathBuf) -> Self {
-        Self { root }
+        Self { root, at_once: None, alone: false }
+    }
+
+    /// The same store; what is rendered into it now has so many renderers at once.
+    #[must_use]
+    pub fn at_once(self, count: usize) -> Self {
+        Self { at_once: u32::try_from(count).ok(), ..self }
+    }
+
+    /// The same store, in which a chunk counts only if its renderer ran alone: others are rendered again, one at a time.
+    #[must_use]
+    pub fn alone(self) -> Self {
+        Self { alone: true, ..self.at_once(1) }
     }
 
     /// Where it is.
@@ -85,7 +101,15 @@ impl Store {
     /// Whether a chunk is there. It appears as a whole, so a file is a chunk.
     #[must_use]
     pub fn has(&self, identity: &str, samples: u32, seed: u32) -> bool {
-        self.path(identity, samples, seed).is_file()
+        let path = self.path(identity, samples, seed);
+        if self.alone { self.is_chunk(&path, identity) } else { path.is_file() }
+    }
+
+    /// Whether a file is a chunk, by its header: one that a failing disk has left empty or foreign is rendered again.
+    fn is_chunk(&self, path: &Path, identity: &str) -> bool {
+        let Ok(header) = ltsc_render::image::attributes(path) else { return false };
+        let provenance = Provenance::from_attributes(&header);
+        provenance.scene_hash == identity && (!self.alone || Facts::read(&provenance).at_once == Some(1))
     }
 
     /// Renders a chunk that is not there, and tells how, or nothing if it is there. Another process that renders the same one is waited for.
@@ -100,11 +124,11 @@ impl Store {
     ) -> Result<Option<Facts>, Failure> {
         let identity = job.identity();
         let path = self.path(&identity, samples, seed);
-        if is_chunk(&path, &identity) {
+        if self.is_chunk(&path, &identity) {
             return Ok(None);
         }
         let _lock = self.lock(&job.key(samples, seed)).map_err(|error| unwritable(&self.root, &error))?;
-        if is_chunk(&path, &identity) {
+        if self.is_chunk(&path, &identity) {
             return Ok(None);
         }
         let folder = path.parent().unwrap_or(&self.root);
@@ -114,7 +138,7 @@ impl Store {
         let rendered = job
             .render_logged(samples, seed, &path.with_extension("log"), watch)
             .map_err(|error| Failure::of_renderer(&error))?;
-        let facts = Facts::of(&rendered, job.runner().threads, load);
+        let facts = Facts::of(&rendered, job.runner().threads, load, self.at_once);
         let mut provenance = Provenance {
             scene: job.scene().to_owned(),
             scene_hash: identity,
@@ -191,12 +215,6 @@ impl Store {
         }
         Ok(removed)
     }
-}
-
-/// Whether a file is a chunk, by its header: one that a failing disk has left empty or foreign is rendered again.
-fn is_chunk(path: &Path, identity: &str) -> bool {
-    let Ok(header) = ltsc_render::image::attributes(path) else { return false };
-    Provenance::from_attributes(&header).scene_hash == identity
 }
 
 /// The folders in one, sorted; none if it is not there.

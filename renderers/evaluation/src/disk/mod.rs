@@ -21,5 +21,6 @@ pub use pages::{Done, Pages, not_ours};
 pub use place::{no_temporary, probe, probe_file, unwritable};
 pub use read::{Changed, DiskFiles};
 pub use rewrite::rewrite;
+pub(crate) use sink::is_removable;
 pub use sink::{Changes, DiskSink};
 pub use staging::{STAGING, Staging, left_over, write_whole};

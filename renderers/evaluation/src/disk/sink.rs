@@ -326,7 +326,7 @@ fn place_of(folder: &Path) -> io::Result<Place> {
 }
 
 /// Whether a file below `top` is as its manifest says, by its hash, so that it may be removed.
-pub(super) fn is_removable(top: &Path, path: &str, hash: &str) -> bool {
+pub(crate) fn is_removable(top: &Path, path: &str, hash: &str) -> bool {
     let Ok(inside) = VPath::resolve("", path) else { return false };
     let full = top.join(inside.as_str());
     if refuse_links(top, &full).is_err() || !fs::symlink_metadata(&full).is_ok_and(|meta| meta.is_file()) {

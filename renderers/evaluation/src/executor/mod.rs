@@ -66,7 +66,7 @@ pub enum News<'a> {
 }
 
 /// Renders chunks.
-pub trait Executor {
+pub trait Executor: Sync {
     /// Renders all chunks that are not in the store, and gives one outcome for each task.
     ///
     /// # Errors

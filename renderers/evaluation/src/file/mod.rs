@@ -28,12 +28,12 @@ mod print_tests;
 #[cfg(test)]
 mod tests;
 
-use ltsc_core::diag::{FileId, Finding, Severity};
+use ltsc_core::diag::{FileId, Finding, Severity, Span};
 
 pub use model::Evaluation;
 pub use print::print;
 pub use read::read;
-pub use resolve::{CHUNKS, LEAST_CHUNKS, resolve};
+pub use resolve::{LEAST_CHUNKS, resolve};
 pub use surroundings::{Surroundings, Unknown};
 
 /// Reads and resolves the text of a file whose name has the stem `stem`. There is an evaluation only if nothing is wrong; all
@@ -45,13 +45,32 @@ pub fn load(
     stem: &str,
     surroundings: &dyn Surroundings,
 ) -> (Option<Evaluation>, Vec<Finding>) {
-    let (written, mut findings) = read(file, text);
+    load_swept(file, text, stem, &[], surroundings)
+}
+
+/// The same with sweeps that are not in the file: each a parameter of all scenes with its values, as texts of expressions. They take the
+/// place of the file's own sweeps over that parameter.
+#[must_use]
+pub fn load_swept(
+    file: FileId,
+    text: &str,
+    stem: &str,
+    sweeps: &[(String, Vec<String>)],
+    surroundings: &dyn Surroundings,
+) -> (Option<Evaluation>, Vec<Finding>) {
+    let (mut written, mut findings) = read(file, text);
     // What is no TOML has lost some of its keys: nothing is said of those that seem to be missing.
     let syntax = |finding: &Finding| finding.id == "evaluation-syntax";
     if findings.iter().any(syntax) {
         findings.retain(syntax);
         findings.sort_by_key(|finding| finding.origin.span());
         return (None, findings);
+    }
+    let start = Span::new(file, 0, 0);
+    for (parameter, values) in sweeps {
+        written.sweeps.retain(|sweep| sweep.parameter.value != *parameter);
+        let parameter = model::At::new(parameter.clone(), start);
+        written.sweeps.push(written::WrittenSweep { parameter, scenes: None, values: values.clone(), span: start });
     }
     let whole = findings.iter().all(|finding| finding.severity != Severity::Error);
     let (evaluation, more) = resolve(&written, file, stem, surroundings, whole);

@@ -297,8 +297,9 @@ pub struct Variant {
     pub settings: Settings,
     /// How long it is rendered beyond its samples.
     pub budget: Budget,
-    /// How many independent images, each of another seed, make the image.
-    pub chunks: u32,
+    /// How many independent images, each of another seed, make the image; if nothing is said, eight or more, of a size that depends on
+    /// the samples alone.
+    pub chunks: Option<u32>,
     /// Where the renderer is named for the case.
     pub span: Span,
 }

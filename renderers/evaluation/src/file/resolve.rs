@@ -16,9 +16,6 @@ use super::surroundings::Surroundings;
 use super::translate;
 use super::written::{MOST_RUNS, Parameters, Written, WrittenCase, WrittenScene};
 
-/// The chunks of an image where nothing is said.
-pub const CHUNKS: u32 = 8;
-
 /// With fewer chunks the variance of an image is not known well enough for a verdict.
 pub const LEAST_CHUNKS: u32 = 4;
 
@@ -388,17 +385,24 @@ fn case(
         let settings: Settings = over.settings.over(&case.all.settings).over(&written.all.settings);
         let chunks = over.chunks.or(case.all.chunks).or(written.all.chunks);
         let budget = over.budget.over(&case.all.budget).over(&written.all.budget);
-        let count = chunks.map_or(CHUNKS, |chunks| chunks.value);
         if let Some(chunks) = chunks.filter(|chunks| chunks.value < LEAST_CHUNKS) {
             let message = format!("{} are too few for a verdict", counted(chunks.value));
             findings.warn("evaluation-chunks", chunks.span, message).help =
-                Some(format!("a verdict takes at least {LEAST_CHUNKS}, and {CHUNKS} if nothing is said"));
+                Some(format!("a verdict takes at least {LEAST_CHUNKS}, and 8 if nothing is said"));
         }
-        if let Some(samples) = settings.samples.filter(|samples| samples.value < count) {
-            let message =
-                format!("{} per pixel cannot be divided among {}", samples_text(samples.value), counted(count));
-            findings.error("evaluation-value", samples.span, message).help =
-                Some(format!("take at least {count} samples, or set `chunks`"));
+        match (settings.samples, chunks) {
+            (Some(samples), Some(chunks)) if samples.value < chunks.value => {
+                let (samples_word, count) = (samples_text(samples.value), counted(chunks.value));
+                let message = format!("{samples_word} per pixel cannot be divided among {count}");
+                findings.error("evaluation-value", samples.span, message).help =
+                    Some(format!("take at least {} samples, or fewer `chunks`", chunks.value));
+            }
+            (Some(samples), None) if samples.value < LEAST_CHUNKS => {
+                let message = format!("{} per pixel are too few for a verdict", samples_text(samples.value));
+                findings.warn("evaluation-chunks", samples.span, message).help =
+                    Some(format!("a verdict takes at least {LEAST_CHUNKS} chunks of 1 sample"));
+            }
+            _ => {}
         }
         if let (Some(most), Some(samples)) = (budget.samples, settings.samples)
             && most.value < samples.value
@@ -412,7 +416,14 @@ fn case(
                 "a budget is what is rendered beyond `samples` where there is time, all chunks together".to_owned(),
             );
         }
-        variants.push(Variant { renderer, statements, settings, budget, chunks: count, span: name.span });
+        variants.push(Variant {
+            renderer,
+            statements,
+            settings,
+            budget,
+            chunks: chunks.map(|chunks| chunks.value),
+            span: name.span,
+        });
     }
     (complete && !variants.is_empty()).then(|| Case {
         name: case.name.clone(),

@@ -104,7 +104,7 @@ fn defaults_are_those_of_the_thesis() {
     assert_eq!((evaluation.tolerance.tiles, evaluation.tolerance.whole, evaluation.tiles), (0.05, 0.01, 8));
     assert_eq!(evaluation.runs, [Run { condition: 0, case: 0, variant: 0 }]);
     let variant = evaluation.variant(evaluation.runs[0]);
-    assert!(variant.statements.is_empty() && variant.settings.is_empty() && variant.chunks == 8);
+    assert!(variant.statements.is_empty() && variant.settings.is_empty() && variant.chunks.is_none());
     let renderer = evaluation.renderer(evaluation.runs[0]);
     assert_eq!((renderer.target.name, renderer.driver.map(|driver| driver.name)), ("mitsuba-3", Some("mitsuba-3")));
     assert!(evaluation.pairs.is_empty() && evaluation.label(evaluation.runs[0]) == "a");
@@ -160,9 +160,9 @@ fn settings_are_those_of_the_renderer_the_case_and_the_file_in_this_order() {
     assert_eq!(one.filter.as_ref().map(|own| own.value.clone()), Some(Filter::Gaussian { stddev: 0.5, radius: 2.0 }));
     let numbers =
         |own: &super::model::Settings| [own.max_depth, own.samples, own.seed].map(|own| own.expect("set").value);
-    assert_eq!((numbers(one), one.size.map(|own| own.value), mitsuba.chunks), ([4, 32, 7], Some((64, 64)), 4));
+    assert_eq!((numbers(one), one.size.map(|own| own.value), mitsuba.chunks), ([4, 32, 7], Some((64, 64)), Some(4)));
     let two = &luxcore.settings;
-    assert_eq!((numbers(two), two.size.map(|own| own.value), luxcore.chunks), ([4, 64, 7], Some((64, 32)), 16));
+    assert_eq!((numbers(two), two.size.map(|own| own.value), luxcore.chunks), ([4, 64, 7], Some((64, 32)), Some(16)));
     assert_eq!(two.filter.as_ref().map(|own| own.value.clone()), Some(Filter::Box { radius: 0.5 }));
     let time = |own: &super::model::Budget| own.time.map(|time| time.value);
     assert_eq!((time(&mitsuba.budget), mitsuba.budget.samples), (Some(Duration::from_secs(90)), None));
@@ -383,12 +383,12 @@ const WRONG: &[Row] = &[
     // Values.
     ("chunks = 0", "", "evaluation-value", "0", "from 1 to 4096", ""),
     (
+        "chunks = 8",
         "settings = { samples = 4 }",
-        "",
         "evaluation-value",
         "4",
         "4 samples per pixel cannot be divided among 8 chunks",
-        "set `chunks`",
+        "fewer `chunks`",
     ),
     ("settings = { samples = 16 }", "budget = { samples = 8 }", "evaluation-value", "8", "smaller than the 16", ""),
     ("settings = { size = [1, 2, 3] }", "", "evaluation-value", "[1, 2, 3]", "not 3 numbers", ""),
@@ -586,6 +586,14 @@ const WRONG: &[Row] = &[
         "for.mitsuba-3",
     ),
     ("reference = \"a.png\"", "", "unreadable-file", "\"a.png\"", "no reference `a.png`", ""),
+    (
+        "settings = { samples = 3 }",
+        "",
+        "evaluation-chunks",
+        "3",
+        "3 samples per pixel are too few for a verdict",
+        "4 chunks",
+    ),
     ("chunks = 2", "", "evaluation-chunks", "2", "2 chunks are too few for a verdict", "at least 4"),
     ("[parameters.low]", "", "evaluation-unused", "low", "the parameter set `low` is not used", ""),
     ("[renderers.x]\ntarget = \"luxcore\"", "", "evaluation-unused", "x", "no case names the renderer `x`", ""),

@@ -64,7 +64,11 @@ impl Told<'_> {
             notes.push(format!("{by} states up to {:.1} % for {what}", 100.0 * share));
         }
         if verdict.rare > 0 {
-            notes.push(format!("{} tiles agree beside rare bright samples that they have not met", verdict.rare));
+            notes.push(format!(
+                "{} beside rare bright samples that {} not met",
+                if verdict.rare == 1 { "1 tile agrees".to_owned() } else { format!("{} tiles agree", verdict.rare) },
+                if verdict.rare == 1 { "it has" } else { "they have" }
+            ));
         }
         if verdict.together.0 || verdict.together.1 {
             notes.push("whole images go up and down together".to_owned());

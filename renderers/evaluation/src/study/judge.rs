@@ -1,0 +1,368 @@
+//! Images put together, compared in pairs, and written with all that is known of them.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use ltsc_core::files::Sink;
+use ltsc_render::image::{Image, Provenance, layered_bytes, read, reduce};
+
+use crate::chunk::{Chunks, Machine, VARIANCE};
+use crate::compare::verdict::{Rendered, Stated, judge_stated};
+use crate::compare::{CompareOptions, Images, compare};
+use crate::disk::{DiskSink, unwritable};
+use crate::failure::{Exit, Failure};
+use crate::file::model::{self, Run};
+use crate::watch::Watch;
+
+use super::folder::copy;
+use super::names::Names;
+use super::prepare::Prepared;
+use super::results::{self, FORM, Results, Settings, Status};
+use super::timing::{self, Timing};
+use super::work::Fate;
+use super::{Done, Folder, Study, tables};
+
+/// The evaluation's file, in the results.
+const FILE: &str = "evaluation.toml";
+
+/// One side of a comparison, as it is.
+pub enum Side<'s> {
+    /// What was rendered.
+    Rendered(&'s Chunks),
+    /// A reference, which is taken to be free of noise.
+    Reference(&'s Image),
+}
+
+/// What the work on one condition needs.
+struct At<'a> {
+    study: &'a Study<'a>,
+    prepared: &'a Prepared<'a>,
+    fates: &'a [Fate],
+    sink: &'a mut DiskSink,
+    folder: &'a Folder,
+    /// Mean images, by run: only those that are needed again.
+    means: BTreeMap<usize, Image>,
+    /// Reference images by the file as it is written; the reason where one cannot be used.
+    references: BTreeMap<String, Result<Image, String>>,
+}
+
+pub(super) fn judge(
+    study: &Study<'_>,
+    prepared: &Prepared<'_>,
+    fates: &[Fate],
+    folder: &Folder,
+    watch: &mut (dyn Watch + Send),
+) -> Result<Done, Failure> {
+    let evaluation = study.evaluation;
+    let mut sink = folder.begin(&evaluation.name)?;
+    let failed = |error: std::io::Error| unwritable(&folder.path, &error);
+    sink.file(FILE, &mut |out| out.write_all(study.text.as_bytes())).map_err(failed)?;
+    watch.begin((evaluation.runs.len() + evaluation.pairs.len()) as u64, "comparing");
+    let mut done = 0;
+    let (mut conditions, mut runs) = (Vec::new(), Vec::new());
+    let mut names = Names::default();
+    for (at, condition) in evaluation.conditions.iter().enumerate() {
+        let mut here =
+            At { study, prepared, fates, sink: &mut sink, folder, means: BTreeMap::new(), references: BTreeMap::new() };
+        let name = names.of(&condition.name);
+        let own: Vec<usize> = (0..evaluation.runs.len()).filter(|run| evaluation.runs[*run].condition == at).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let mut files = Names::default();
+        let mut made = Vec::new();
+        for run in &own {
+            watch.doing(&study.label(evaluation.runs[*run]));
+            made.push(here.run(*run, &name, &files.of(&evaluation.label(evaluation.runs[*run])))?);
+            done += 1;
+            watch.set(done);
+        }
+        let mut pairs = Vec::new();
+        for pair in evaluation.pairs.iter().filter(|pair| own.contains(&pair.b)) {
+            pairs.push(here.pair(pair)?);
+            done += 1;
+            watch.set(done);
+        }
+        for run in &own {
+            runs.extend(here.timing(*run)?);
+        }
+        here.references(&name).map_err(failed)?;
+        conditions.push(results::Condition {
+            name: condition.name.clone(),
+            scene: evaluation.scenes[condition.scene].name.clone(),
+            parameters: condition.set.iter().cloned().collect(),
+            swept: condition.swept.iter().map(|(name, _)| name.clone()).collect(),
+            runs: made,
+            pairs,
+        });
+    }
+    watch.end();
+    timing::relate(&mut runs);
+    let results = Results {
+        form: FORM,
+        generator: concat!("ltsc ", env!("CARGO_PKG_VERSION")).to_owned(),
+        name: evaluation.name.clone(),
+        description: evaluation.description.clone(),
+        file: FILE.to_owned(),
+        conditions,
+    };
+    let timing = Timing { form: FORM, date: jiff::ZonedDateTime::now().to_string(), machine: Machine::here(), runs };
+    let mut text =
+        |name: &str, text: String| sink.file(name, &mut |out| out.write_all(text.as_bytes())).map_err(failed);
+    text("results.json", json(&results)?)?;
+    text("timing.json", json(&timing)?)?;
+    text("summary.md", tables::markdown(&results, &timing))?;
+    text("images.csv", tables::images(&results, &timing))?;
+    text("comparisons.csv", tables::comparisons(&results))?;
+    sink.finish().map_err(failed)?;
+    Ok(Done { results, timing })
+}
+
+fn json<T: serde::Serialize>(value: &T) -> Result<String, Failure> {
+    let text = serde_json::to_string_pretty(value).map_err(|error| Failure::new(Exit::Fault, error.to_string()))?;
+    Ok(text + "\n")
+}
+
+impl At<'_> {
+    /// An image and its log, written; and what is known of it.
+    fn run(&mut self, at: usize, condition: &str, name: &str) -> Result<results::Run, Failure> {
+        let evaluation = self.study.evaluation;
+        let run = evaluation.runs[at];
+        let (ready, renderer) = (&self.prepared.runs[at], evaluation.renderer(run));
+        let job = &self.prepared.jobs[ready.job];
+        let failed = |error: std::io::Error| unwritable(&self.folder.path, &error);
+        let mut made = results::Run {
+            label: evaluation.label(run),
+            case: evaluation.cases[run.case].name.value.clone(),
+            renderer: renderer.name.clone(),
+            driver: job.runner().driver.name.to_owned(),
+            target: target_of_run(evaluation, run).to_owned(),
+            version: job.runner().found.version.clone(),
+            status: Status::Skipped,
+            failure: None,
+            image: None,
+            files: None,
+            width: job.size().0,
+            height: job.size().1,
+            samples: ready.plan.total(),
+            chunks: ready.plan.count,
+            first_seed: ready.first_seed,
+            identity: job.identity(),
+            settings: job.effective().map(Settings::of),
+            noise: None,
+            non_finite: 0,
+            stated: ready.stated.clone(),
+        };
+        let fate = &self.fates[at];
+        if let Fate::Failed(failure) = fate {
+            made.status = Status::Failed;
+            made.failure = Some(failure.message.clone());
+        }
+        if let Fate::Done(chunks) = fate {
+            made.status = Status::Done;
+            made.samples = chunks.cost.samples;
+            made.chunks = u32::try_from(chunks.files.len()).unwrap_or(u32::MAX);
+            if !chunks.cost.version.is_empty() {
+                made.version.clone_from(&chunks.cost.version);
+            }
+            let moments = chunks.images().moments().map_err(|error| {
+                Failure::new(Exit::Environment, error.to_string()).help("remove that chunk: it is rendered again")
+            })?;
+            let mean = moments.mean_image();
+            made.noise = timing::noise(&moments);
+            made.non_finite = mean.non_finite();
+            let variance = (chunks.files.len() > 1).then(|| moments.variance_image());
+            drop(moments);
+            let path = format!("scenes/{condition}/{name}.exr");
+            let bytes = image_bytes(&self.folder.path.join(&path), &mean, variance.as_ref(), &made, job.scene())?;
+            self.sink.file(&path, &mut |out| out.write_all(&bytes)).map_err(failed)?;
+            let log = format!("scenes/{condition}/{name}.log");
+            self.sink.file(&log, &mut |out| chunks.write_logs(out)).map_err(failed)?;
+            made.image = Some(path);
+            self.means.insert(at, mean);
+        }
+        if !matches!(fate, Fate::Skipped) && self.folder.keeps(matches!(fate, Fate::Failed(_))) {
+            let below = format!("files/{condition}/{name}");
+            copy(job, self.sink, &below).map_err(failed)?;
+            made.files = Some(below);
+        }
+        Ok(made)
+    }
+
+    /// A comparison.
+    fn pair(&mut self, pair: &model::Pair) -> Result<results::Pair, Failure> {
+        let evaluation = self.study.evaluation;
+        let b = &self.prepared.runs[pair.b];
+        // What one renderer is off by, it is off by in both images.
+        let driver = |run: usize| self.prepared.jobs[self.prepared.runs[run].job].runner().driver.name;
+        let one = matches!(pair.a, model::Side::Run(a) if driver(a) == driver(pair.b));
+        let mut stated: Vec<Stated> = if one { Vec::new() } else { b.stated.clone() };
+        let (mut not_comparable, mut unknown) = (Vec::new(), Vec::new());
+        let (a, reference) = match &pair.a {
+            model::Side::Run(at) => {
+                let of = |run: usize| self.prepared.jobs[self.prepared.runs[run].job].effective();
+                if let (Some(one), Some(other)) = (of(*at), of(pair.b)) {
+                    let apart = one.apart(other);
+                    not_comparable = apart.differs;
+                    unknown = apart.unknown.iter().map(|what| (*what).to_owned()).collect();
+                }
+                stated.extend(self.prepared.runs[*at].stated.iter().filter(|_| !one).cloned());
+                (evaluation.label(evaluation.runs[*at]), false)
+            }
+            model::Side::File(file) => (file.clone(), true),
+        };
+        stated.sort_by(|one, other| other.share.total_cmp(&one.share));
+        stated.dedup();
+        let mut made = results::Pair {
+            a,
+            reference,
+            b: evaluation.label(evaluation.runs[pair.b]),
+            samples: (None, b.plan.total()),
+            not_comparable,
+            unknown,
+            stated,
+            excused: false,
+            verdict: None,
+            refused: None,
+            metrics: Vec::new(),
+            shift: None,
+        };
+        if let Err(why) = self.compare(pair, &mut made)? {
+            made.refused = Some(why);
+        }
+        Ok(made)
+    }
+
+    /// Compares the two; the reason where that is impossible.
+    fn compare(&mut self, pair: &model::Pair, made: &mut results::Pair) -> Result<Result<(), String>, Failure> {
+        if let model::Side::File(file) = &pair.a {
+            self.load(file, pair.b);
+        }
+        let evaluation = self.study.evaluation;
+        let Fate::Done(b) = &self.fates[pair.b] else { return Ok(Err(format!("`{}` was not rendered", made.b))) };
+        made.samples.1 = b.cost.samples;
+        let Some(of_b) = self.means.get(&pair.b) else { return Ok(Err(format!("`{}` has no image", made.b))) };
+        let (of_a, side_a) = match &pair.a {
+            model::Side::File(file) => match self.references.get(file) {
+                Some(Ok(image)) => (image, Side::Reference(image)),
+                Some(Err(why)) => return Ok(Err(why.clone())),
+                None => return Ok(Err("the reference was not read".to_owned())),
+            },
+            model::Side::Run(at) => match (&self.fates[*at], self.means.get(at)) {
+                (Fate::Done(chunks), Some(image)) => {
+                    made.samples.0 = Some(chunks.cost.samples);
+                    (image, Side::Rendered(chunks))
+                }
+                _ => return Ok(Err(format!("`{}` was not rendered", made.a))),
+            },
+        };
+        let options =
+            CompareOptions { tiles: evaluation.tiles as usize, mask_non_finite: true, ..CompareOptions::default() };
+        let compared = match compare(of_a, of_b, &options) {
+            Ok(compared) => compared,
+            Err(error) => return Ok(Err(error.to_string())),
+        };
+        made.metrics = compared.metrics;
+        made.shift = compared.shift;
+        if b.files.len() < 2 {
+            return Ok(Err(format!("`{}` is one image, whose noise is not known", made.b)));
+        }
+        let more: f64 = made.stated.iter().map(|one| one.share).sum();
+        let sides = match side_a {
+            Side::Rendered(a) if a.files.len() < 2 => {
+                return Ok(Err(format!("`{}` is one image, whose noise is not known", made.a)));
+            }
+            Side::Rendered(a) => Rendered { images: a.images(), samples: f64::from(a.samples) },
+            Side::Reference(image) => Rendered { images: Images::Held(std::slice::from_ref(image)), samples: 1.0 },
+        };
+        let b = Rendered { images: b.images(), samples: f64::from(b.samples) };
+        match judge_stated(sides, b, evaluation.tolerance, more, evaluation.tiles as usize) {
+            Ok((verdict, excused)) => {
+                made.excused = excused;
+                made.verdict = Some(verdict);
+                Ok(Ok(()))
+            }
+            Err(error) => Ok(Err(error.to_string())),
+        }
+    }
+
+    /// Reads a reference, at the size of the run that is held against it.
+    fn load(&mut self, file: &str, b: usize) {
+        if self.references.contains_key(file) {
+            return;
+        }
+        let size = self.prepared.jobs[self.prepared.runs[b].job].size();
+        let path = self.study.base.join(file);
+        let image = read(&path).map(|(image, _)| image).and_then(|image| {
+            if (image.width, image.height) == size { Ok(image) } else { reduce(&image, size.0, size.1) }
+        });
+        self.references.insert(file.to_owned(), image.map_err(|error| error.to_string()));
+    }
+
+    /// References beside the images.
+    fn references(&mut self, condition: &str) -> std::io::Result<()> {
+        let mut names = Names::default();
+        for (file, image) in &self.references {
+            let Ok(image) = image else { continue };
+            let stem = Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+            let path = format!("references/{condition}/{}.exr", names.of(&stem));
+            let provenance = Provenance { extra: vec![("from".to_owned(), file.clone())], ..Provenance::default() };
+            let bytes = layered_bytes(&self.folder.path.join(&path), &[("", image)], &provenance)
+                .map_err(|error| std::io::Error::other(error.to_string()))?;
+            self.sink.file(&path, &mut |out| out.write_all(&bytes))?;
+        }
+        Ok(())
+    }
+
+    /// Times of a run that is done.
+    fn timing(&self, at: usize) -> Result<Option<timing::Run>, Failure> {
+        let evaluation = self.study.evaluation;
+        let Fate::Done(chunks) = &self.fates[at] else { return Ok(None) };
+        let run = evaluation.runs[at];
+        let first = evaluation.pairs.iter().find(|pair| pair.b == at);
+        let reference = first.and_then(|pair| match &pair.a {
+            model::Side::Run(other) => self.means.get(other),
+            model::Side::File(file) => self.references.get(file)?.as_ref().ok(),
+        });
+        let job = &self.prepared.jobs[self.prepared.runs[at].job];
+        Ok(Some(timing::Run {
+            condition: evaluation.conditions[run.condition].name.clone(),
+            label: evaluation.label(run),
+            cost: chunks.cost.clone(),
+            steps: timing::steps(chunks, reference)?,
+            efficiency: None,
+            group: timing::group(job.runner().driver.name, &evaluation.renderer(run).name, &chunks.cost),
+            equal_error_seconds: None,
+        }))
+    }
+}
+
+fn target_of_run(evaluation: &model::Evaluation, run: Run) -> &'static str {
+    evaluation.renderer(run).target.name
+}
+
+/// The image with its variance. Its header tells nothing that another run would not: no times, no machine.
+fn image_bytes(
+    path: &Path,
+    mean: &Image,
+    variance: Option<&Image>,
+    run: &results::Run,
+    scene: &str,
+) -> Result<Vec<u8>, Failure> {
+    let layers: Vec<(&str, &Image)> =
+        std::iter::once(("", mean)).chain(variance.map(|variance| (VARIANCE, variance))).collect();
+    let extra = [("case", run.label.clone()), ("chunks", run.chunks.to_string())];
+    let provenance = Provenance {
+        scene: scene.to_owned(),
+        scene_hash: run.identity.clone(),
+        version: env!("CARGO_PKG_VERSION").to_owned(),
+        renderer: run.driver.clone(),
+        renderer_version: run.version.clone(),
+        samples: run.samples,
+        seed: u64::from(run.first_seed),
+        seconds: 0.0,
+        extra: extra.into_iter().map(|(name, value)| (name.to_owned(), value)).collect(),
+    };
+    layered_bytes(path, &layers, &provenance)
+        .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))
+}
