@@ -20,6 +20,7 @@ mod golden;
 mod interrupted;
 mod ledger;
 mod losses;
+mod metrics;
 mod micro;
 mod mitsuba;
 mod mutations;

@@ -6,7 +6,7 @@ mod build;
 mod cache;
 mod completions;
 mod conventions;
-mod diff;
+pub mod diff;
 mod doc;
 mod emit;
 mod explain;

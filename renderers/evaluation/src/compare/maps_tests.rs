@@ -114,7 +114,7 @@ fn a_pixel_that_is_not_finite_shows_no_difference_around_it() {
 
 fn image() -> impl Strategy<Value = (Image, Image)> {
     let odd = prop::sample::select(vec![0.0, -1.0, f32::NAN, f32::INFINITY, f32::MAX, f32::MIN, 1e-45]);
-    let value = prop_oneof![30 => 0.0..4.0_f32, 1 => odd];
+    let value = prop_oneof![150 => 0.0..4.0_f32, 1 => odd];
     (1..12_usize, 1..9_usize).prop_flat_map(move |(width, height)| {
         let pixels = || prop::collection::vec(prop::array::uniform3(value.clone()), width * height);
         (pixels(), pixels()).prop_map(move |(a, b)| {
@@ -125,7 +125,7 @@ fn image() -> impl Strategy<Value = (Image, Image)> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(64))]
+    #![proptest_config(ProptestConfig::with_cases(24))]
 
     #[test]
     fn maps_stay_in_their_range_and_mean_what_metrics_say((a, b) in image()) {
