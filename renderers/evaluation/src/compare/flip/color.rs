@@ -2,16 +2,16 @@
 
 /// Linear sRGB to XYZ over that of white, so that each row adds up to 1: primaries and white (D65, 0.3127, 0.3290) of IEC 61966-2-1.
 const TO_XYZ: [[f32; 3]; 3] = [
-    [0.433_887_3, 0.376_224_0, 0.189_888_6],
-    [0.212_639_0, 0.715_168_7, 0.072_192_3],
+    [0.433_887_3, 0.376_224, 0.189_888_6],
+    [0.212_639, 0.715_168_7, 0.072_192_3],
     [0.017_750_0, 0.109_447_6, 0.872_802_3],
 ];
 
 /// The way back.
 const TO_RGB: [[f32; 3]; 3] = [
-    [3.080_399_1, -1.537_383_2, -0.543_015_9],
+    [3.080_399, -1.537_383_2, -0.543_015_9],
     [-0.921_223_4, 1.875_967_5, 0.045_255_9],
-    [0.052_873_9, -0.203_977_0, 1.151_103_0],
+    [0.052_873_9, -0.203_977, 1.151_103],
 ];
 
 /// The exponent of color differences, and the share of the largest one that is perceived as 0.95 of it (Andersson et al. 2020,
@@ -20,8 +20,10 @@ const COLOR_EXPONENT: f32 = 0.7;
 const BREAK: f32 = 0.4;
 const BREAK_VALUE: f32 = 0.95;
 
-fn times(matrix: &[[f32; 3]; 3], [x, y, z]: [f32; 3]) -> [f32; 3] {
-    [0, 1, 2].map(|row: usize| matrix[row][0] * x + matrix[row][1] * y + matrix[row][2] * z)
+// No closures here and below: a build without optimization calls each of them for each pixel and exposure.
+#[inline]
+fn times([a, b, c]: &[[f32; 3]; 3], [x, y, z]: [f32; 3]) -> [f32; 3] {
+    [a[0] * x + a[1] * y + a[2] * z, b[0] * x + b[1] * y + b[2] * z, c[0] * x + c[1] * y + c[2] * z]
 }
 
 /// The luminance of a color, that of white being 1.
@@ -40,8 +42,9 @@ pub(super) fn opponent(rgb: [f32; 3]) -> [f32; 3] {
 /// where it is dark (Andersson et al. 2020, section 4.1).
 #[inline]
 pub(super) fn perceived([y, red, blue]: [f32; 3]) -> [f32; 3] {
-    let rgb = times(&TO_RGB, [y + red, y, y - blue]).map(|value| value.clamp(0.0, 1.0));
-    let [x, y, z] = times(&TO_XYZ, rgb).map(lightness);
+    let [r, g, b] = times(&TO_RGB, [y + red, y, y - blue]);
+    let [x, y, z] = times(&TO_XYZ, [r.clamp(0.0, 1.0), g.clamp(0.0, 1.0), b.clamp(0.0, 1.0)]);
+    let (x, y, z) = (lightness(x), lightness(y), lightness(z));
     let l = 116.0 * y - 16.0;
     [l, 0.01 * l * (500.0 * (x - y)), 0.01 * l * (200.0 * (y - z))]
 }
@@ -61,11 +64,10 @@ fn lightness(t: f32) -> f32 {
 fn cube_root(x: f32) -> f32 {
     // A third of the exponent, and a constant that halves the largest error of the guess, 3 %.
     let mut root = f32::from_bits(x.to_bits() / 3 + 0x2a51_0800);
-    for _ in 0..2 {
-        let cube = root * root * root;
-        root *= (cube + 2.0 * x) / (2.0 * cube + x);
-    }
-    root
+    let cube = root * root * root;
+    root *= (cube + 2.0 * x) / (2.0 * cube + x);
+    let cube = root * root * root;
+    root * (cube + 2.0 * x) / (2.0 * cube + x)
 }
 
 /// The distance of two perceived colors (HyAB, Abasi et al. 2020) as far as it is not in the exponent.

@@ -158,7 +158,7 @@ impl Work {
         let [red, green, blue] = self.images[image].each_ref().map(|plane| &plane[..padded]);
         let [y, red_green, blue_yellow] = self.opponent.each_mut().map(|plane| &mut plane[..padded]);
         for at in 0..padded {
-            [y[at], red_green[at], blue_yellow[at]] = opponent([red[at], green[at], blue[at]].map(&tone));
+            [y[at], red_green[at], blue_yellow[at]] = opponent([tone(red[at]), tone(green[at]), tone(blue[at])]);
         }
         let [first, second, third] = &mut self.across;
         let [own_y, own_red, own_blue, other] = &mut seen.color;
