@@ -21,6 +21,7 @@ mod golden;
 mod interrupted;
 mod ledger;
 mod losses;
+mod metrics;
 mod micro;
 mod mitsuba;
 mod mutations;

@@ -185,9 +185,11 @@ pub enum Command {
     )]
     Render(Render),
     /// Compare two images; A is the reference.
-    #[command(
-        after_help = "Examples:\n  ltsc diff a.exr b.exr\n  ltsc diff reference.exr b.exr --reduce -o difference\n  ltsc diff a.exr b.exr --tolerance 0.02 --format json"
-    )]
+    ///
+    /// Prints metrics of light (means, errors) and of what a person sees (PSNR, SSIM, FLIP, HDR-FLIP), in all and in red, green and
+    /// blue where they have channels; ratios of means in a grid of tiles; and the shift that moves B onto A. Equal images have no
+    /// PSNR, since it is infinite; `-` and null stand for what has no value. `--format short` measures and prints ratios only.
+    #[command(after_help = crate::commands::diff::help(false), after_long_help = crate::commands::diff::help(true))]
     Diff(Diff),
     /// Test whether renderers agree on scenes, beyond the noise of their images.
     ///

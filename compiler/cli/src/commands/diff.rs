@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use ltsc_core::files::Sink;
-use ltsc_evaluation::compare::{CompareOptions, Comparison, compare, difference_png, to_text};
+use ltsc_evaluation::compare::{CompareOptions, Comparison, METRICS, compare, difference_png, to_text};
 use ltsc_render::image::{Image, ImageError, laid, read_placed, reduce};
 use serde_json::json;
 
@@ -11,6 +11,25 @@ use crate::args::{Diff, Format};
 use crate::output::{Exit, Failure};
 use crate::terminal;
 use ltsc_evaluation::disk::{DiskSink, unwritable};
+
+/// What stands below the options of `ltsc diff --help`: examples, and the metrics; with their formulas where there is room.
+pub fn help(formulas: bool) -> String {
+    let mut text = "Examples:\n  ltsc diff a.exr b.exr\n  ltsc diff reference.exr b.exr --reduce -o difference\n  \
+                    ltsc diff a.exr b.exr --tolerance 0.02 --format json\n\nMetrics"
+        .to_owned();
+    if !formulas {
+        let names: Vec<&str> = METRICS.iter().map(|metric| metric.name).collect();
+        return format!("{text}, whose formulas `ltsc diff --help` has:\n  {}", names.join(", "));
+    }
+    text.push_str(", means being over pixels that are finite in A and B:");
+    for metric in METRICS {
+        text.push_str(&format!("\n  {}: {}\n      {}", metric.name, metric.summary, metric.formula));
+    }
+    text.push_str(
+        "\n\n\"As shown\" is at the exposure that brings the 95th percentile of A to 0.8, clamped between 0 and 1.",
+    );
+    text
+}
 
 pub fn run(command: &Diff) -> Result<Exit, Failure> {
     if command.tolerance.is_some_and(|tolerance| tolerance < 0.0 || !tolerance.is_finite()) {
@@ -22,6 +41,8 @@ pub fn run(command: &Diff) -> Result<Exit, Failure> {
     let options = CompareOptions {
         tiles: command.tiles as usize,
         mask_non_finite: command.mask_nonfinite,
+        // A line of ratios needs no more.
+        only: if command.format == Format::Short && command.output.is_none() { &["ratio"] } else { &[] },
         ..CompareOptions::default()
     };
     let comparison =

@@ -7,7 +7,7 @@ mod cache;
 mod clean;
 mod completions;
 mod conventions;
-mod diff;
+pub mod diff;
 mod doc;
 mod emit;
 mod eval;

@@ -1,11 +1,15 @@
 //! Compares two images of the same scene. A is the reference: ratios are B/A, differences B - A.
 
+mod flip;
 mod images;
+mod maps;
 pub mod metrics;
 pub mod moments;
 mod pair;
 mod picture;
 mod shift;
+mod shown;
+mod ssim;
 mod text;
 mod tiles;
 pub mod verdict;
@@ -16,11 +20,15 @@ use serde::{Deserialize, Serialize};
 
 use ltsc_render::image::Image;
 
+pub use flip::Exposures;
 pub use images::Images;
+pub use maps::{MAPS, Map, flip_exposures, flip_map, hdr_flip_map, mean_of_map};
 pub use metrics::{METRICS, Metric};
 pub use pair::{Pair, Value};
 pub use picture::{difference_png, difference_rgb8, exposure, png, relative_rgb8, shown_rgb8};
 pub use shift::Shift;
+pub use shown::pair_exposure;
+pub use ssim::ssim_map;
 pub use text::to_text;
 pub use tiles::{Tile, Tiles, WorstTile};
 
@@ -33,13 +41,15 @@ pub struct CompareOptions {
     pub max_shift: usize,
     /// Gives the best shift also where noise may have made it, for images whose shift is asked for and not looked for.
     pub any_shift: bool,
+    /// The names of the metrics that are measured, all of [`METRICS`] where none is named: those of what is seen take longer than all others.
+    pub only: &'static [&'static str],
     /// Leaves out pixels that are not finite in A or B instead of refusing the images.
     pub mask_non_finite: bool,
 }
 
 impl Default for CompareOptions {
     fn default() -> Self {
-        Self { tiles: 8, max_shift: 2, any_shift: false, mask_non_finite: false }
+        Self { tiles: 8, max_shift: 2, any_shift: false, only: &[], mask_non_finite: false }
     }
 }
 
@@ -56,7 +66,7 @@ pub struct Comparison {
     pub non_finite_b: usize,
     /// Pixels that were left out of all numbers because A or B is not finite there.
     pub masked: usize,
-    /// One entry for each row of [`METRICS`], in that order.
+    /// One entry for each row of [`METRICS`] that was asked for, in that order.
     pub metrics: Vec<Measure>,
     /// Ratios of means over a grid of tiles.
     pub tiles: Tiles,
@@ -163,8 +173,11 @@ pub fn compare(a: &Image, b: &Image, options: &CompareOptions) -> Result<Compari
     if masked == a.pixels.len() {
         return Err(CompareError::Empty);
     }
-    let metrics =
-        METRICS.iter().map(|metric| Measure { name: metric.name.to_owned(), value: (metric.measure)(&pair) }).collect();
+    let metrics = METRICS
+        .iter()
+        .filter(|metric| options.only.is_empty() || options.only.contains(&metric.name))
+        .map(|metric| Measure { name: metric.name.to_owned(), value: (metric.measure)(&pair) })
+        .collect();
     Ok(Comparison {
         width: a.width,
         height: a.height,

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::CompareError;
 use ltsc_render::image::{Image, finite};
 
-/// A value over all channels and in each. Nothing stands where the definition divides by zero.
+/// A value over all channels and in each. Nothing stands where the definition divides by zero, or knows no channels.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Value {
     /// Over all three channels.
@@ -48,6 +48,29 @@ impl<'a> Pair<'a> {
             .map(|(a, b)| (a.map(f64::from), b.map(f64::from)))
     }
 
+    /// The colors of both images, with numbers everywhere: a pixel that is not finite in one image has the color of the other, so that no
+    /// difference is seen there, and is black where it is finite in neither.
+    pub(super) fn colors(&self) -> [Vec<[f32; 3]>; 2] {
+        [(self.a, self.b), (self.b, self.a)].map(|(own, other)| {
+            let color = |(own, other): (&[f32; 3], &[f32; 3])| match (finite(own), finite(other)) {
+                (true, _) => *own,
+                (false, true) => *other,
+                (false, false) => [0.0; 3],
+            };
+            own.pixels.iter().zip(&other.pixels).map(color).collect()
+        })
+    }
+
+    /// A map of numbers without those of pixels that are not finite in A or B.
+    pub(super) fn only_finite(&self, mut map: Vec<f32>) -> Vec<f32> {
+        for ((value, a), b) in map.iter_mut().zip(&self.a.pixels).zip(&self.b.pixels) {
+            if !finite(a) || !finite(b) {
+                *value = f32::NAN;
+            }
+        }
+        map
+    }
+
     /// The mean of `term(a, b, channel)` over all finite pixels, in each channel; nothing without
     /// pixels.
     pub fn mean(&self, term: impl Fn(f64, f64, usize) -> f64) -> Option<[f64; 3]> {
@@ -66,6 +89,11 @@ impl<'a> Pair<'a> {
 impl Value {
     /// Nothing anywhere.
     pub(super) const NONE: Self = Self { overall: None, channels: [None; 3] };
+
+    /// A value that has no channels.
+    pub(super) fn whole(overall: Option<f64>) -> Self {
+        Self { overall, ..Self::NONE }
+    }
 
     /// Three means, and their mean.
     pub(super) fn of_means(means: Option<[f64; 3]>) -> Self {

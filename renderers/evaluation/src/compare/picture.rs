@@ -4,6 +4,7 @@ use std::path::Path;
 
 use image::ImageEncoder;
 
+use super::shown::srgb;
 use super::{CompareError, Pair};
 use ltsc_render::image::{Image, ImageError, finite};
 
@@ -27,17 +28,24 @@ pub fn relative_rgb8(a: &Image, b: &Image, exposure: f64) -> Result<Vec<u8>, Com
     signed(a, b, exposure, |a, b| if a == b { 0.0 } else { (b - a) / a.max(f64::MIN_POSITIVE) })
 }
 
-/// The stops that bring the 95th percentile of an image's brightness to 0.8; 0 where it is black.
+/// The stops that bring the 95th percentile of an image's brightness to 0.8, or that of its pixels above 0 where it is 0 over all; 0 for
+/// a black image.
 #[must_use]
 pub fn exposure(image: &Image) -> f64 {
     let mut values: Vec<f32> =
         image.pixels.iter().map(|pixel| pixel.iter().sum::<f32>() / 3.0).filter(|value| value.is_finite()).collect();
-    if values.is_empty() {
-        return 0.0;
-    }
+    let of_all = bright(&mut values).filter(|value| *value > 0.0);
+    let found = of_all.or_else(|| {
+        values.retain(|value| *value > 0.0);
+        bright(&mut values)
+    });
+    found.map_or(0.0, |bright| (0.8 / f64::from(bright)).log2())
+}
+
+/// The 95th percentile.
+fn bright(values: &mut [f32]) -> Option<f32> {
     let at = values.len() * 95 / 100;
-    let bright = *values.select_nth_unstable_by(at, f32::total_cmp).1;
-    if bright > 0.0 { (0.8 / f64::from(bright)).log2() } else { 0.0 }
+    (!values.is_empty()).then(|| *values.select_nth_unstable_by(at, f32::total_cmp).1)
 }
 
 /// An image in 8-bit sRGB, its values times `2^exposure`; blue where a pixel is not finite.
@@ -92,10 +100,9 @@ pub fn png(path: &Path, width: usize, height: usize, pixels: &[u8]) -> Result<Ve
     Ok(png)
 }
 
-/// The transfer function of sRGB (IEC 61966-2-1), clamped and rounded to 8 bits.
+/// A value in sRGB, rounded to 8 bits.
 fn encode(linear: f64) -> u8 {
-    let value = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 };
-    (value.clamp(0.0, 1.0) * 255.0).round() as u8
+    (srgb(linear) * 255.0).round() as u8
 }
 
 #[cfg(test)]
@@ -108,6 +115,10 @@ mod tests {
             |scale: f32| Image { width: 100, height: 1, pixels: (0..100).map(|at| [scale * at as f32; 3]).collect() };
         assert!((exposure(&image(1.0)) - (0.8_f64 / 95.0).log2()).abs() < 1e-6);
         assert!((exposure(&image(0.25)) - exposure(&image(1.0)) - 2.0).abs() < 1e-6);
+        // All but one pixel are black.
+        let mut spot = image(0.0);
+        spot.pixels[7] = [0.4; 3];
+        assert!((exposure(&spot) - 1.0).abs() < 1e-6);
         assert_eq!((exposure(&image(0.0)), exposure(&Image::filled(2, 1, [f32::NAN; 3]))), (0.0, 0.0));
     }
 

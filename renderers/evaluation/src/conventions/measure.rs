@@ -53,7 +53,7 @@ pub fn measure(measure: &Measure, image: &Image, ideal: &dyn Fn() -> Image) -> O
             weighed / sum
         }
         Measure::Shift(axis) => {
-            let options = CompareOptions { any_shift: true, ..CompareOptions::default() };
+            let options = CompareOptions { any_shift: true, only: &["ratio"], ..CompareOptions::default() };
             let shift = compare(&ideal(), image, &options).ok()?.shift?;
             // What moves the image onto the true one; the image itself lies the other way.
             -(match axis {

@@ -189,13 +189,14 @@ fn pictures_of(
             "differences".to_owned(),
             format!("green where {} is brighter, red where it is dimmer", other.name),
         ));
-        let options = CompareOptions { mask_non_finite: true, ..CompareOptions::default() };
+        let only = &["ratio", "relative-mse"];
+        let options = CompareOptions { mask_non_finite: true, only, ..CompareOptions::default() };
         let comparison = compare(a, b, &options).map_err(different)?;
-        for metric in ["ratio", "relative-mse"] {
+        for metric in only {
             let Some(value) = comparison.metric(metric) else { continue };
             let numbers: Vec<String> =
                 value.channels.iter().map(|part| part.map_or("none".to_owned(), |part| format!("{part:.4}"))).collect();
-            let what = if metric == "ratio" {
+            let what = if *metric == "ratio" {
                 format!("mean of {} / mean of {} (red, green, blue)", other.name, one.name)
             } else {
                 "relative mean squared error (red, green, blue)".to_owned()

@@ -1,13 +1,17 @@
 //! The table of metrics: one file each, one row each.
 
+mod flip;
+mod hdr_flip;
 mod mape;
 mod max_difference;
 mod mean_a;
 mod mean_b;
+mod psnr;
 mod ratio;
 mod relative_mse;
 mod rmse;
 mod smape;
+mod ssim;
 
 use super::{Pair, Value};
 
@@ -17,7 +21,8 @@ pub struct Metric {
     pub name: &'static str,
     /// What it says, in a few words.
     pub summary: &'static str,
-    /// Its definition, with the guard against division by zero. Means are over pixels.
+    /// Its definition, with the guard against division by zero. Means are over pixels that are finite in A and B. "As shown" is at
+    /// the exposure that [`super::exposure`] gives for A, clamped.
     pub formula: &'static str,
     /// Measures a pair.
     pub measure: fn(&Pair) -> Value,
@@ -33,6 +38,10 @@ pub const METRICS: &[&Metric] = &[
     &mape::ROW,
     &smape::ROW,
     &max_difference::ROW,
+    &psnr::ROW,
+    &ssim::ROW,
+    &flip::ROW,
+    &hdr_flip::ROW,
 ];
 
 /// The share of a channel's mean in A that relative metrics add to their divisor. A fixed number
@@ -40,7 +49,7 @@ pub const METRICS: &[&Metric] = &[
 const GUARD: f64 = 0.01;
 
 /// The guard of each channel; nothing if a channel of A is black, since nothing is relative to it.
-fn guards(pair: &Pair) -> [Option<f64>; 3] {
+pub(super) fn guards(pair: &Pair) -> [Option<f64>; 3] {
     pair.mean(|a, _, _| a.abs()).map_or([None; 3], |means| means.map(|mean| (mean > 0.0).then_some(GUARD * mean)))
 }
 
@@ -108,8 +117,12 @@ mod tests {
         let a = Image::filled(3, 2, [0.5, 0.0, 7.0]);
         for metric in METRICS.iter().filter(|metric| !metric.name.starts_with("mean")) {
             let found = (metric.measure)(&Pair::new(&a, &a).expect("a pair"));
-            let wanted = if metric.name == "ratio" { 1.0 } else { 0.0 };
-            assert_eq!(found.overall, Some(wanted), "{}", metric.name);
+            let wanted = match metric.name {
+                "ratio" | "ssim" => Some(1.0),
+                "psnr" => None,
+                _ => Some(0.0),
+            };
+            assert_eq!(found.overall, wanted, "{}", metric.name);
         }
     }
 
