@@ -125,6 +125,43 @@ pub struct Writing<'a> {
     pub ledger: Option<&'a Ledger>,
 }
 
+/// A hash of what a scene is for a target: [`Job::content`] without a renderer.
+///
+/// # Errors
+/// As of [`Job::new`].
+pub fn content(scene: &Valid, target: &'static Target, writing: &Writing<'_>) -> Result<String, Failure> {
+    write(scene, target, writing).map(|(_, content)| content.to_hex().to_string())
+}
+
+/// Writes a scene for a target into a folder of its own, and reads it back.
+fn write(scene: &Valid, target: &'static Target, writing: &Writing<'_>) -> Result<(Folder, blake3::Hash), Failure> {
+    let work = Folder::new().map_err(|error| no_temporary(&error))?;
+    let camera = writing
+        .camera
+        .or_else(|| pipeline::camera(scene, None))
+        .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
+    let failed = |error: std::io::Error| unwritable(work.path(), &error);
+    let mut sink = DiskSink::own(work.path(), &scene.name);
+    let own;
+    let ledger = match writing.ledger {
+        Some(ledger) => ledger,
+        None => {
+            own = Ledger::of(scene, target, &[]);
+            &own
+        }
+    };
+    pipeline::emit_alone(scene, camera, target, ledger, &writing.choices, &mut sink).map_err(failed)?;
+    if let Some(wrong) = pipeline::audit(scene, camera, &[target], &sink, |_| String::new()).findings().next() {
+        let message = format!("{}: {} for {}", scene.name, wrong.message, target.name);
+        return Err(Failure::new(Exit::Fault, message)
+            .help("ltsc wrote something else than the scene says: please report it with the scene"));
+    }
+    // The ledger is for people.
+    let content = sink.content(|path| path != ledger::FILE);
+    sink.finish().map_err(failed)?;
+    Ok((work, content))
+}
+
 /// A scene as it was written for a renderer, in a folder that goes with it, or in one that was there.
 pub struct Job<'r> {
     runner: &'r Runner,
@@ -151,31 +188,7 @@ impl<'r> Job<'r> {
     /// # Errors
     /// As of [`Job::new`].
     pub fn written(scene: &Valid, runner: &'r Runner, writing: &Writing<'_>) -> Result<Self, Failure> {
-        let target = target_of(runner.driver);
-        let work = Folder::new().map_err(|error| no_temporary(&error))?;
-        let camera = writing
-            .camera
-            .or_else(|| pipeline::camera(scene, None))
-            .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
-        let failed = |error: std::io::Error| unwritable(work.path(), &error);
-        let mut sink = DiskSink::own(work.path(), &scene.name);
-        let own;
-        let ledger = match writing.ledger {
-            Some(ledger) => ledger,
-            None => {
-                own = Ledger::of(scene, target, &[]);
-                &own
-            }
-        };
-        pipeline::emit_alone(scene, camera, target, ledger, &writing.choices, &mut sink).map_err(failed)?;
-        if let Some(wrong) = pipeline::audit(scene, camera, &[target], &sink, |_| String::new()).findings().next() {
-            let message = format!("{}: {} for {}", scene.name, wrong.message, target.name);
-            return Err(Failure::new(Exit::Fault, message)
-                .help("ltsc wrote something else than the scene says: please report it with the scene"));
-        }
-        // The ledger is for people.
-        let content = sink.content(|path| path != ledger::FILE);
-        sink.finish().map_err(failed)?;
+        let (work, content) = write(scene, target_of(runner.driver), writing)?;
         let size = (scene.film.width as usize, scene.film.height as usize);
         Ok(Self { runner, folder: work.path().to_owned(), work, scene: scene.name.clone(), size, content })
     }
@@ -215,6 +228,12 @@ impl<'r> Job<'r> {
     #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder
+    }
+
+    /// A hash of everything that was written for the renderer, whichever version of it there is.
+    #[must_use]
+    pub fn content(&self) -> String {
+        self.content.to_hex().to_string()
     }
 
     /// A hash of everything that decides how the image looks but for samples and seed: files, renderer and version.

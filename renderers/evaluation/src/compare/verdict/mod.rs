@@ -10,6 +10,7 @@
 //! sample is clipped or left out as an outlier; instead each renderer is taken to have missed one event as large as the largest that
 //! either has seen nearby. Skewness is corrected as Hall (1992) does.
 
+mod kept;
 mod normal;
 mod side;
 
@@ -17,6 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use super::moments::Moments;
 use super::{CompareError, Images};
+pub use kept::{Kept, MeanError, error_of, judge_kept, mean_error};
 use side::{Estimate, Noise, Place, Side};
 
 /// Tiles along each side, and the coarser cuts.
@@ -245,11 +247,21 @@ pub fn judge(a: Rendered<'_>, b: Rendered<'_>, tolerance: Tolerance) -> Result<V
     }
     let sides = [Side::of(of_a, a.images, &mask, a.samples)?, Side::of(of_b, b.images, &mask, b.samples)?];
     drop(moments);
+    decided(&sides, tolerance, counts, masked)
+}
+
+/// The verdict on two sides.
+fn decided(
+    sides: &[Side; 2],
+    tolerance: Tolerance,
+    counts: (usize, usize),
+    masked: usize,
+) -> Result<Verdict, CompareError> {
     let noise = [0, 1].map(|at: usize| sides[at].noise());
-    let tests = tests(&sides, noise, tolerance)?;
+    let tests = tests(sides, noise, tolerance)?;
     let count = tests.len() as f64;
     let bound = normal::exceeded((1.0 - (1.0 - FALSE_ALARM).powf(1.0 / count)) / 2.0);
-    Ok(verdict(tests, bound, tolerance, counts, noise, masked, b.samples * counts.1 as f64))
+    Ok(verdict(tests, bound, tolerance, counts, noise, masked, sides[1].samples * sides[1].count))
 }
 
 /// All cells in all channels, the finest grid first.
