@@ -1,11 +1,15 @@
 //! The command line: what people type, with examples.
 
+mod reference;
+
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+
+pub use reference::{Reference, ReferenceAction, ReferenceAdd, ReferenceList};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -68,7 +72,7 @@ pub fn command() -> clap::Command {
     let names: Vec<String> = command.get_subcommands().map(|one| one.get_name().to_owned()).collect();
     // One that is changed goes to the end, so that all of them go there in their order.
     for name in names {
-        let own = matches!(name.as_str(), "agree" | "similar");
+        let own = matches!(name.as_str(), "agree" | "reference" | "similar");
         command = command.mut_subcommand(name, |one| if own { form(one) } else { one });
     }
     command
@@ -100,7 +104,7 @@ fn unfit(matches: &ArgMatches) -> Option<String> {
     }
     let flag = |name: &str| inner.try_get_one::<bool>(name).ok().flatten().copied().unwrap_or(false);
     let findings = matches!(format, Format::Sarif | Format::Github);
-    if ["diff", "agree", "similar", "list", "conventions"].contains(&name) && findings {
+    if ["diff", "agree", "similar", "list", "add", "reference", "conventions"].contains(&name) && findings {
         return Some(format!(
             "`{format}` is for findings, and `{name}` gives another answer: it has human, short and json"
         ));
@@ -197,6 +201,15 @@ pub enum Command {
         after_help = "Examples:\n  ltsc agree scenes-src/ring.lts\n  ltsc agree scenes-src/ring.lts --renderer mitsuba-3,cycles --seeds 8 --samples 128\n  ltsc agree --keep images --record docs/agreement.json\n  ltsc agree --check --record docs/agreement.json    (exit 1 if the page is stale)"
     )]
     Agree(Agree),
+    /// Keep an image of a scene with its error, as what others are compared with.
+    ///
+    /// Renders the scene with one renderer until the median standard error of the 8 x 8 tiles is at most `--error` of their means (of a
+    /// tenth of the image's mean in tiles darker than that), and keeps the mean and its standard error as `references/SCENE/RENDERER.exr` of the project. What was rendered stays
+    /// in the cache in chunks: a run that is ended, by `--budget` or by you, goes on where it was. Exit code 1: not yet good enough.
+    #[command(
+        after_help = "Examples:\n  ltsc reference scenes-src/cbox_classic.lts --renderer mitsuba-3\n  ltsc reference scenes-src/ring.lts --renderer mitsuba-3 --integrator light_tracing --error 1% --budget 10m\n  ltsc reference list --check                    (exit 1 if one is stale)\n  ltsc reference add ring.exr --scene scenes-src/ring.lts --renderer mitsuba-0.5 --by \"the thesis, 2020\""
+    )]
+    Reference(Reference),
     /// List and install renderers.
     Renderers(Renderers),
     /// Show what the user's cache holds, and remove what is old: renderings in chunks, and installations.

@@ -15,6 +15,7 @@ mod fmt;
 mod init;
 mod lint;
 mod manual;
+mod reference;
 mod render;
 mod renderers;
 mod said;
@@ -24,7 +25,7 @@ mod stats;
 mod task;
 mod users;
 
-use crate::args::{Arguments, Command, Format, RenderersAction};
+use crate::args::{Arguments, Command, Format, ReferenceAction, RenderersAction};
 use crate::output::{Exit, print_failure, show};
 use crate::terminal;
 
@@ -43,6 +44,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Render(command) => render::run(&command),
         Command::Diff(command) => diff::run(&command),
         Command::Agree(command) => agree::run(&command),
+        Command::Reference(command) => reference::run(&command),
         Command::Renderers(command) => renderers::run(&command),
         Command::Cache(command) => cache::run(&command),
         Command::Conventions(command) => conventions::run(&command),
@@ -74,6 +76,11 @@ fn format_of(command: &Command) -> Format {
         Command::Conventions(command) => command.format,
         Command::Agree(command) => command.findings.format,
         Command::Cache(command) => command.format,
+        Command::Reference(command) => match &command.action {
+            Some(ReferenceAction::List(list)) => list.format,
+            Some(ReferenceAction::Add(add)) => add.format,
+            None => command.findings.format,
+        },
         Command::Renderers(command) => match command.action {
             RenderersAction::List { format } => format,
             RenderersAction::Install { .. } | RenderersAction::Trust => Format::Human,

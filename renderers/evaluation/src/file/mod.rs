@@ -32,6 +32,7 @@ mod tests;
 use ltsc_core::diag::{FileId, Finding, Severity};
 
 pub use model::Evaluation;
+pub use parts::duration;
 pub use print::print;
 pub use read::read;
 pub use resolve::{CHUNKS, LEAST_CHUNKS, resolve};

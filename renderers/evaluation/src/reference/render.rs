@@ -41,6 +41,8 @@ pub struct Kept {
     pub chunks: (u32, u32),
     /// Whether the file was written now.
     pub written: bool,
+    /// What stood in its place and shows something else: a stale one, or one by another version.
+    pub replaced: Option<String>,
     /// What remains; none where the goal is reached.
     pub left: Option<Left>,
     /// What ended it before its time.
@@ -126,12 +128,14 @@ impl Wanted<'_> {
         let driver = job.runner().driver;
         check(driver, scene)?;
         let file = path(self.references, job.scene(), driver.name);
-        let there = self.there(&file, job)?;
+        let (there, replaced) = self.there(&file, job, scene)?;
+        let place = format!("{}/{}.exr", job.scene(), driver.name);
+        Pages::new(self.references, BY).refuse(&place, self.force)?;
         if is_blind(scene) {
             watch.note(&format!("warning: {BLIND}"));
         }
         let Reached { count, samples, made, left, failed } = reach(store, job, &self.goal, watch)?;
-        let mut kept = Kept { file, about: None, chunks: (count, samples), written: false, left, failed };
+        let mut kept = Kept { file, about: None, chunks: (count, samples), written: false, replaced, left, failed };
         let Some(made) = made else { return Ok(kept) };
         let mut about = about(job, scene, &made)?;
         // Chunks may have been removed since: what is there may be the better one.
@@ -144,31 +148,38 @@ impl Wanted<'_> {
         Ok(kept)
     }
 
-    /// The same image in the place of this one; another one there is not to be written over but by force.
-    fn there(&self, file: &Path, job: &Job<'_>) -> Result<Option<About>, Failure> {
+    /// The same image in the place of this one, or what stands there else; what is neither stale nor an earlier version of this one is not to
+    /// be written over but by force.
+    fn there(&self, file: &Path, job: &Job<'_>, scene: &Valid) -> Result<(Option<About>, Option<String>), Failure> {
         if std::fs::symlink_metadata(file).is_err() {
-            return Ok(None);
+            return Ok((None, None));
         }
-        let about = store::describe(file);
-        if self.force {
-            let same = about.ok().flatten().filter(|about| identity(about) == Some(&job.identity()));
-            return Ok(same);
+        let about = match store::describe(file) {
+            Ok(Some(about)) => about,
+            _ if self.force => return Ok((None, Some("a file that is no reference".to_owned()))),
+            Ok(None) => return Err(super::foreign(file)),
+            Err(failure) => return Err(failure.help("move it away, or add `--force` to write over it")),
+        };
+        if identity(&about) == Some(&job.identity()) {
+            return Ok((Some(about), None));
         }
-        let Some(about) = about? else { return Err(super::foreign(file)) };
-        let (settings, size) = (&about.settings, job.size());
+        let Settings { width, height, integrator, max_depth, .. } = &about.settings;
+        let (now, path) = (settings_of(scene), file.display());
         let other = if !about.is_rendered() {
-            Some(format!("{} is a reference of other origin ({})", file.display(), about.maker()))
-        } else if (settings.width as usize, settings.height as usize) != size {
-            let Settings { width, height, .. } = settings;
-            Some(format!("{} has {width}x{height} pixels, and {}x{} are asked for", file.display(), size.0, size.1))
+            Some(format!("{path} is of other origin ({})", about.maker()))
+        } else if about.settings != now {
+            let Settings { width: w, height: h, integrator: word, max_depth: depth, .. } = &now;
+            Some(format!(
+                "{path} is {width}x{height} by {integrator} with {max_depth} segments, and {w}x{h} by {word} with {depth} is asked for"
+            ))
         } else {
             None
         };
-        if let Some(other) = other {
-            return Err(Failure::new(Exit::Usage, other)
-                .help("choose another folder by `-o`, or add `--force` to write over it"));
+        match other.filter(|_| !self.force) {
+            Some(other) => Err(Failure::new(Exit::Usage, other)
+                .help("choose another folder by `-o`, or add `--force` to write over it")),
+            None => Ok((None, Some(about.maker()))),
         }
-        Ok(Some(about).filter(|about| identity(about) == Some(&job.identity())))
     }
 }
 

@@ -188,7 +188,14 @@ fn mean(store: &Store, job: &Job<'_>, plan: Plan) -> Result<Made, Failure> {
             .help("no light is found: try another algorithm by `--integrator`"),
         error => Failure::new(Exit::Environment, error.to_string()).help("remove that chunk: it is rendered again"),
     })?;
-    Ok(Made { chunks, image: moments.mean_image(), variance: moments.variance_image(), error })
+    let variance = moments.variance_image();
+    if variance.pixels.as_flattened().iter().all(|value| *value == 0.0) {
+        let message = format!("{} chunks of {} are all the same image", plan.count, job.scene());
+        return Err(Failure::new(Exit::Environment, message).help(
+            "the renderer does not obey its seed, or the scene has no noise: the error of such a mean cannot be told",
+        ));
+    }
+    Ok(Made { chunks, image: moments.mean_image(), variance, error })
 }
 
 #[cfg(test)]
