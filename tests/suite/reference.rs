@@ -345,6 +345,35 @@ fn what_is_no_image_of_the_scene_is_not_taken_in() {
 }
 
 #[test]
+fn pictures_of_the_catalogue_are_those_of_references() {
+    let stage = Stage::new();
+    assert_eq!(run(&mut stage.render(&["--error", "1%"])).code, Some(0));
+    let calls = stage.calls();
+    for (size, factor) in [("16", 1), ("8", 4)] {
+        let ran = stage.ran(&["doc", "--render", "--size", size]);
+        assert!(ran.code == Some(0) && ran.err.contains("pictures of what is kept"), "{}", ran.err);
+        let page = fs::read_to_string(stage.path("docs/scenes/one.md")).expect("a page");
+        let samples = stage.found().about.samples.expect("samples") * factor;
+        // 0.2 / sqrt(12) at one image, less by the root of how many there are and of the pixels of a block.
+        let images = (samples / 256) as f64;
+        let noise = format!("median noise of a pixel {:.1} %", 100.0 * 0.2 / 12_f64.sqrt() / images.sqrt());
+        for said in
+            ["pbrt-r4 4.5.2", &format!("path, {samples} samples per pixel"), &noise, "references of the project"]
+        {
+            assert!(page.contains(said), "{said}: {page}");
+        }
+    }
+    // One that is too small, or stale, is no picture.
+    for scene in [None, Some(MINIMAL.replace("NAME", "one").replace("radiance(10)", "radiance(11)"))] {
+        scene.iter().for_each(|text| stage.scene(text));
+        let size = if scene.is_some() { "16" } else { "32" };
+        let ran = run(stage.ltsc(&["doc", "--render", "--size", size]).env("PATH", "/bin:/usr/bin"));
+        assert!(ran.code == Some(0) && !ran.err.contains("pictures of what is kept"), "{}", ran.err);
+    }
+    assert_eq!(stage.calls(), calls);
+}
+
+#[test]
 fn a_reference_is_a_side_of_a_verdict() {
     let stage = Stage::new();
     assert_eq!(run(&mut stage.render(&["--error", "1%"])).code, Some(0));

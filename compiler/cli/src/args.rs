@@ -237,8 +237,8 @@ pub enum Command {
     Explain(Explain),
     /// Generate the scene catalog: a page for each scene, and a table of the light paths that they test.
     ///
-    /// A page has the scene's documentation, a line drawing, its numbers, lights and materials, and pictures by Mitsuba 3 and
-    /// LuxCore where they were rendered. Without PATH the scenes of the project that the current folder belongs to.
+    /// A page has the scene's documentation, a line drawing, its numbers, lights and materials, and pictures where they were made:
+    /// of its references (`ltsc reference`), or by Mitsuba 3 and LuxCore. Without PATH the scenes of the project that the current folder belongs to.
     #[command(
         after_help = "Examples:\n  ltsc doc\n  ltsc doc --format html -o site\n  ltsc doc --render            (pictures again, by the renderers that are there)\n  ltsc doc --check             (exit 1 if a page is stale)"
     )]
@@ -749,17 +749,17 @@ pub struct Doc {
     /// Write also over files that ltsc did not write, or that were changed since.
     #[arg(long)]
     pub force: bool,
-    /// Render the scenes with Mitsuba 3 and LuxCore, as far as they are there, and compare.
+    /// Make pictures: of the references of a scene that are large enough, or else by Mitsuba 3 and LuxCore, as far as they are there.
     #[arg(long)]
     pub render: bool,
     /// The longer side of pictures in pixels.
-    #[arg(long, value_name = "PIXELS", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(long, value_name = "PIXELS", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub size: u32,
-    /// Samples per pixel of pictures.
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..))]
-    pub samples: u32,
-    /// Stop a renderer after this many seconds for one picture.
-    #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = clap::value_parser!(u64).range(1..))]
+    /// Render pictures until the median noise of a pixel is at most this share (0.05, or 5%).
+    #[arg(long, value_name = "SHARE", default_value = "5%", value_parser = share)]
+    pub noise: f64,
+    /// Spend about this many seconds on each picture; what is rendered stays in the cache, and the next run goes on.
+    #[arg(long, value_name = "SECONDS", default_value_t = 300, value_parser = clap::value_parser!(u64).range(1..))]
     pub timeout: u64,
     #[command(flatten)]
     pub limits: Limits,

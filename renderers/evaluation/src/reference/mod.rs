@@ -7,6 +7,7 @@
 mod about;
 mod add;
 mod list;
+mod picture;
 mod render;
 mod rounds;
 mod store;
@@ -24,6 +25,7 @@ use ltsc_render::run::{DRIVERS, driver};
 pub use about::{About, Origin, Settings, Stored};
 pub use add::{Declared, add};
 pub use list::{Entry, State, list};
+pub use picture::{Picture, picture, pictures};
 pub use render::{Kept, Wanted, check, prepared};
 pub use rounds::{Goal, Left, Made, Measure, Reached, chunk_samples, reach};
 pub use store::ERROR;
