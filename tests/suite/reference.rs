@@ -272,7 +272,20 @@ fn wrong_renderers_and_algorithms_are_refused_before_anything_is_rendered() {
         let ran = run(stage.ltsc(&["reference", "scenes/one.lts"]).args(words));
         assert!(ran.code == Some(2) && ran.err.contains(said), "{words:?}: {}", ran.err);
     }
+    // Light tracing sees no mirror.
+    stage.scene(
+        &(MINIMAL.replace("NAME", "one") + "shape ball = sphere(center: (0, 0, 2)) with dielectric(ior: 1.5)\n"),
+    );
+    let ran = run(&mut stage.render(&["--integrator", "light_tracing"]));
+    assert!(ran.code == Some(2) && ran.err.contains("black there"), "{}", ran.err);
     assert_eq!(stage.calls(), 0);
+    let ran = run(&mut stage.render(&["--integrator", "light_tracing", "--error", "2%", "--force"]));
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    assert!(stage.ran(&["reference", "list"]).out.contains("black there"));
+    let ran = run(&mut stage.render(&["--integrator", "photon_map", "--error", "2%", "--force"]));
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let listed = stage.ran(&["reference", "list"]).out;
+    assert!(listed.contains("consistent: off by") && !listed.contains("black there"), "{listed}");
 }
 
 #[test]

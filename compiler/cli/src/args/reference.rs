@@ -38,7 +38,7 @@ pub struct Reference {
     /// The folder of references [default: `references` of the project].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write also over a reference of other size, algorithm or origin.
+    /// Write also over a reference of other size, algorithm or origin; keep also an image in which light tracing leaves smooth surfaces black.
     #[arg(long)]
     pub force: bool,
     /// The renderer's executable, or a Python that has its module: a path, or a name on the path.

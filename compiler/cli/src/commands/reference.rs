@@ -134,6 +134,7 @@ fn described(about: &About) -> String {
         Some(error) => format!("error {} (worst tile {})", percent(error.tiles), percent(error.worst)),
         None => "error not known".to_owned(),
     });
+    words.extend(about.caution());
     words.join(", ")
 }
 

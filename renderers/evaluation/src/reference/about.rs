@@ -148,6 +148,19 @@ impl About {
         }
     }
 
+    /// What somebody who compares with it should know beside its error; none of an image that tends to the truth.
+    #[must_use]
+    pub fn caution(&self) -> Option<String> {
+        let Origin::Rendered { convergence, defects, .. } = &self.origin else { return None };
+        let off = match convergence.as_deref() {
+            Some("consistent") => Some("consistent: off by more than its error, less with more samples in each image"),
+            Some("biased") => Some("biased: off by more than its error"),
+            _ => None,
+        };
+        let words: Vec<&str> = off.into_iter().chain(defects.as_deref()).collect();
+        (!words.is_empty()).then(|| words.join("; "))
+    }
+
     /// The attributes of the file. One that was not rendered here has nothing of a rendering.
     pub(super) fn provenance(&self) -> Provenance {
         let text = serde_json::to_string(self).unwrap_or_default();

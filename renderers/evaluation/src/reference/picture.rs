@@ -64,8 +64,8 @@ pub fn pictures(
         };
         let block = (found.image.width / width.max(1)).max(1);
         let Ok(found) = found.reduced(width, height) else { continue };
-        let Origin::Rendered { renderer, version, defects, .. } = &found.about.origin else { continue };
-        let (renderer, version, remark) = (renderer.clone(), version.clone(), defects.clone());
+        let Origin::Rendered { renderer, version, .. } = &found.about.origin else { continue };
+        let (renderer, version, remark) = (renderer.clone(), version.clone(), found.about.caution());
         let Found { image, variance, about, .. } = found;
         let images = about.images as usize;
         let error = variance.and_then(|variance| error_of(&image, &variance, images).ok());

@@ -131,8 +131,9 @@ impl Wanted<'_> {
         let (there, replaced) = self.there(&file, job, scene)?;
         let place = format!("{}/{}.exr", job.scene(), driver.name);
         Pages::new(self.references, BY).refuse(&place, self.force)?;
-        if is_blind(scene) {
-            watch.note(&format!("warning: {BLIND}"));
+        if is_blind(scene) && !self.force {
+            let help = "choose another algorithm by `--integrator`, or add `--force` to keep it with these words";
+            return Err(Failure::new(Exit::Usage, format!("{}: {BLIND}", job.scene())).help(help));
         }
         let Reached { count, samples, made, left, failed } = reach(store, job, &self.goal, watch)?;
         let mut kept = Kept { file, about: None, chunks: (count, samples), written: false, replaced, left, failed };
