@@ -97,8 +97,6 @@ pub struct Settings {
 pub struct Stored {
     /// 16 or 32 bits for each number.
     pub bits: u32,
-    /// What values were multiplied by: a power of two.
-    pub scale: f64,
     /// The largest change of the mean of one of the 8 by 8 tiles by it, as a share; tiles darker than a tenth of the image count as a tenth.
     pub change: f64,
 }
@@ -124,7 +122,7 @@ impl About {
             error: None,
             images: 1,
             samples: None,
-            stored: Stored { bits: 32, scale: 1.0, change: 0.0 },
+            stored: Stored { bits: 32, change: 0.0 },
         }
     }
 
@@ -197,9 +195,6 @@ impl About {
         })?;
         if about.form > FORM {
             return Err(Failure::new(Exit::Input, "a newer ltsc wrote it").help("use that ltsc, or render it again"));
-        }
-        if !(about.stored.scale.is_finite() && about.stored.scale > 0.0) {
-            return Err(Failure::new(Exit::Input, "the factor of its values is none").help("render or add it again"));
         }
         Ok(Some(about))
     }

@@ -1,9 +1,9 @@
 //! The file of a reference: the mean, and its standard error as a second layer, in half floats.
 //!
 //! Half floats have 11 significant bits between 6.1e-5 and 65504 and steps of 6e-8 below. The variance of a good reference of a usual
-//! brightness lies under that, its root does not: so the standard error is what is stored. Where a value is too large, or the image so dark
-//! that it would be lost, all values are multiplied by a power of two, which the file tells. Where rounding would still move a tile by more than a tenth
-//! of the reference's error, 32 bits are stored.
+//! brightness lies under that, its root does not: so the standard error is what is stored. 32 bits are stored where a value is too large, where the image is so dark that its
+//! error would be lost, or where rounding would move a tile by more than a tenth of the reference's error. Values are never scaled: whoever
+//! reads the file sees radiance.
 
 use std::ops::Range;
 use std::path::Path;
@@ -19,7 +19,7 @@ pub const ERROR: &str = "error.";
 /// The largest half float.
 const LARGEST: f32 = 65_504.0;
 
-/// Means below this are scaled: of a tenth of it, 8 bits would be left.
+/// Images whose mean is below this are stored whole: a standard error of a hundredth of it would have 7 bits left.
 const DIM: f64 = 1.0 / 1024.0;
 
 /// Tiles along each side, the share of the image's mean as which darker tiles count, and how many times as bright as the image a pixel
@@ -41,30 +41,14 @@ pub(super) fn encode(
     variance: Option<&Image>,
     about: &mut About,
 ) -> Result<Vec<u8>, Failure> {
-    let scale = scale_of(image);
-    let half = Image {
-        pixels: image.pixels.iter().map(|pixel| pixel.map(|value| as_half(value * scale) / scale)).collect(),
-        ..*image
-    };
+    let half = each(image, &as_half);
     let change = change(image, &half);
     let error = about.error.map(|error| error.tiles);
-    let allowed = error.map_or(UNKNOWN, |error| SHARE * error);
-    // Rounding that leaves a finite value infinite is a change that no share tells.
-    let fits = change <= allowed && half.non_finite() == image.non_finite();
-    about.stored = if fits {
-        Stored { bits: 16, scale: f64::from(scale), change }
-    } else {
-        Stored { bits: 32, scale: 1.0, change: 0.0 }
-    };
-    let scale = if fits { scale } else { 1.0 };
-    let scaled = |image: &Image, of: &dyn Fn(f32) -> f32| Image {
-        pixels: image.pixels.iter().map(|pixel| pixel.map(of)).collect(),
-        ..*image
-    };
-    let mean = scaled(image, &|value| value * scale);
-    let root = variance.map(|variance| scaled(variance, &|value| value.max(0.0).sqrt() * scale));
+    let fits = fits(image) && change <= error.map_or(UNKNOWN, |error| SHARE * error);
+    about.stored = if fits { Stored { bits: 16, change } } else { Stored { bits: 32, change: 0.0 } };
+    let root = variance.map(|variance| each(variance, &|value| value.max(0.0).sqrt()));
     let layers: Vec<(&str, &Image)> =
-        std::iter::once(("", &mean)).chain(root.as_ref().map(|root| (ERROR, root))).collect();
+        std::iter::once(("", image)).chain(root.as_ref().map(|root| (ERROR, root))).collect();
     let write = if fits { half_bytes } else { layered_bytes };
     write(path, &layers, &about.provenance())
         .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))
@@ -75,13 +59,12 @@ pub(super) fn decode(path: &Path) -> Result<Option<(Image, Option<Image>, About)
     let (image, root, attributes) =
         read_layered(path, ERROR).map_err(|error| Failure::new(Exit::Input, error.to_string()).help(error.hint()))?;
     let Some(about) = about_of(path, &attributes)? else { return Ok(None) };
-    let back = (1.0 / about.stored.scale) as f32;
-    let of = |image: Image, value: &dyn Fn(f32) -> f32| Image {
-        pixels: image.pixels.iter().map(|pixel| pixel.map(value)).collect(),
-        ..image
-    };
-    let root = root.map(|root| of(root, &|value| (value * back).powi(2)));
-    Ok(Some((of(image, &|value| value * back), root, about)))
+    let variance = root.map(|root| each(&root, &|value| value * value));
+    Ok(Some((image, variance, about)))
+}
+
+fn each(image: &Image, of: &dyn Fn(f32) -> f32) -> Image {
+    Image { pixels: image.pixels.iter().map(|pixel| pixel.map(of)).collect(), ..*image }
 }
 
 /// What a file says of itself, without its pixels.
@@ -105,18 +88,11 @@ fn mean(pixels: impl Iterator<Item = f64>) -> f64 {
     if count == 0 { 0.0 } else { sum / count as f64 }
 }
 
-/// A power of two that brings all values into the range of half floats: 1 wherever that is possible.
-fn scale_of(image: &Image) -> f32 {
+/// Whether all values lie in the range of half floats.
+fn fits(image: &Image) -> bool {
     let values = image.pixels.as_flattened().iter().filter(|value| value.is_finite());
     let largest = values.fold(0.0_f32, |most, value| most.max(value.abs()));
-    let light = mean(image.pixels.iter().filter_map(grey)).abs();
-    if largest == 0.0 || largest <= LARGEST && light >= DIM {
-        return 1.0;
-    }
-    // The largest value comes below 32768, the mean to 1 where there is room.
-    let room = (32_768.0 / largest).log2().floor();
-    let wanted = if light > 0.0 { (1.0 / light).log2().round() as f32 } else { room };
-    room.min(wanted).clamp(-100.0, 100.0).exp2()
+    largest <= LARGEST && mean(image.pixels.iter().filter_map(grey)).abs() >= DIM
 }
 
 /// The largest change of the mean of a tile, without the pixels that count in no error either.
@@ -190,16 +166,15 @@ mod tests {
 
     #[test]
     fn half_floats_lose_less_than_a_tenth_of_the_error() {
-        for level in [1e-7, 1e-2, 1.0, 300.0, 1e8] {
+        for level in [1e-2, 1.0, 300.0] {
             let (image, variance, mean, spread, stored, _) = kept(level, 5e-3);
             assert_eq!(stored.bits, 16, "{level}");
             // A tile of 16 pixels may be that of one; half an ulp of it is 2^-11.
             assert!(stored.change > 0.0 && stored.change < 5e-4, "{level}: {stored:?}");
-            assert_eq!(stored.scale == 1.0, (1e-2..=300.0).contains(&level), "{level}: {stored:?}");
             let brightest = image.pixels.as_flattened().iter().fold(0.0_f32, |most, value| most.max(*value));
             for (a, b) in image.pixels.as_flattened().iter().zip(mean.pixels.as_flattened()) {
                 // Half an ulp of 11 bits; below the smallest normal number half a step of 6e-8.
-                let within = (5e-4 * a).max(3e-8 / stored.scale as f32);
+                let within = (5e-4 * a).max(3e-8);
                 assert!((a - b).abs() <= within, "{level}: {a} {b}");
             }
             for (at, (a, b)) in variance.pixels.as_flattened().iter().zip(spread.pixels.as_flattened()).enumerate() {
@@ -216,6 +191,11 @@ mod tests {
         assert_eq!((stored.bits, stored.change, &mean), (32, 0.0, &image));
         let same = |(a, b): (&f32, &f32)| (b / a - 1.0).abs() < 1e-6;
         assert!(variance.pixels.as_flattened().iter().zip(spread.pixels.as_flattened()).all(same));
+        // Too dark for their error, and too bright for themselves.
+        for level in [1e-7, 1e-3, 1e5] {
+            let (image, _, mean, _, stored, _) = kept(level, 5e-3);
+            assert_eq!((stored.bits, &mean), (32, &image), "{level}");
+        }
         let (.., small) = kept(1.0, 5e-3);
         assert!(small < large * 3 / 4, "{small} bytes, {large} in full");
     }
