@@ -24,6 +24,7 @@ pub const BEYOND_TEXT: &[(&str, &str)] = &[
     ("evaluation-renderer", "an evaluation file: see `study`"),
     ("evaluation-seeds", "an evaluation file: see `study`"),
     ("not-comparable", "an evaluation file: see `study`"),
+    ("stale-reference", "an evaluation file: see `study`"),
     ("evaluation-scene", "an evaluation file: see `file` in renderers/evaluation"),
     ("evaluation-setting", "an evaluation file: see `file` in renderers/evaluation"),
     ("evaluation-syntax", "an evaluation file: see `file` in renderers/evaluation"),

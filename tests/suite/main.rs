@@ -32,6 +32,7 @@ mod places;
 mod ports;
 mod pre_commit;
 mod random;
+mod reference;
 mod render;
 mod said;
 mod scale;

@@ -1,11 +1,15 @@
 //! The command line: what people type, with examples.
 
+mod reference;
+
 use std::path::PathBuf;
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
+
+pub use reference::{Reference, ReferenceAction, ReferenceAdd, ReferenceList};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -68,7 +72,7 @@ pub fn command() -> clap::Command {
     let names: Vec<String> = command.get_subcommands().map(|one| one.get_name().to_owned()).collect();
     // One that is changed goes to the end, so that all of them go there in their order.
     for name in names {
-        let own = matches!(name.as_str(), "agree" | "eval" | "similar");
+        let own = matches!(name.as_str(), "agree" | "eval" | "reference" | "similar");
         command = command.mut_subcommand(name, |one| if own { form(one) } else { one });
     }
     command
@@ -100,7 +104,9 @@ fn unfit(matches: &ArgMatches) -> Option<String> {
     }
     let flag = |name: &str| inner.try_get_one::<bool>(name).ok().flatten().copied().unwrap_or(false);
     let findings = matches!(format, Format::Sarif | Format::Github);
-    if ["diff", "agree", "eval", "clean", "similar", "list", "conventions"].contains(&name) && findings {
+    if ["diff", "agree", "eval", "clean", "similar", "list", "add", "reference", "conventions"].contains(&name)
+        && findings
+    {
         return Some(format!(
             "`{format}` is for findings, and `{name}` gives another answer: it has human, short and json"
         ));
@@ -215,6 +221,15 @@ pub enum Command {
         after_help = "Examples:\n  ltsc clean results --dry-run\n  ltsc clean results\n  ltsc clean results --keep 3\n  ltsc clean results --files    (only the files of failed cases)"
     )]
     Clean(Clean),
+    /// Keep an image of a scene with its error, as what others are compared with.
+    ///
+    /// Renders the scene with one renderer until the median standard error of the 8 x 8 tiles is at most `--error` of their means (of a
+    /// tenth of the image's mean in tiles darker than that), and keeps the mean and its standard error as `references/SCENE/RENDERER.exr` of the project. What was rendered stays
+    /// in the cache in chunks: a run that is ended, by `--budget` or by you, goes on where it was. Exit code 1: not yet good enough.
+    #[command(
+        after_help = "Examples:\n  ltsc reference scenes-src/cbox_classic.lts --renderer mitsuba-3\n  ltsc reference scenes-src/ring.lts --renderer mitsuba-3 --integrator light_tracing --error 1% --budget 10m\n  ltsc reference list --check                    (exit 1 if one is stale)\n  ltsc reference add ring.exr --scene scenes-src/ring.lts --renderer mitsuba-0.5 --by \"the thesis, 2020\""
+    )]
+    Reference(Reference),
     /// List and install renderers.
     Renderers(Renderers),
     /// Show what the user's cache holds, and remove what is old: renderings in chunks, and installations.
@@ -242,8 +257,8 @@ pub enum Command {
     Explain(Explain),
     /// Generate the scene catalog: a page for each scene, and a table of the light paths that they test.
     ///
-    /// A page has the scene's documentation, a line drawing, its numbers, lights and materials, and pictures by Mitsuba 3 and
-    /// LuxCore where they were rendered. Without PATH the scenes of the project that the current folder belongs to.
+    /// A page has the scene's documentation, a line drawing, its numbers, lights and materials, and pictures where they were made:
+    /// of its references (`ltsc reference`), or by Mitsuba 3 and LuxCore. Without PATH the scenes of the project that the current folder belongs to.
     #[command(
         after_help = "Examples:\n  ltsc doc\n  ltsc doc --format html -o site\n  ltsc doc --render            (pictures again, by the renderers that are there)\n  ltsc doc --check             (exit 1 if a page is stale)"
     )]
@@ -838,17 +853,17 @@ pub struct Doc {
     /// Write also over files that ltsc did not write, or that were changed since.
     #[arg(long)]
     pub force: bool,
-    /// Render the scenes with Mitsuba 3 and LuxCore, as far as they are there, and compare.
+    /// Make pictures: of the references of a scene that are large enough, or else by Mitsuba 3 and LuxCore, as far as they are there.
     #[arg(long)]
     pub render: bool,
     /// The longer side of pictures in pixels.
-    #[arg(long, value_name = "PIXELS", default_value_t = 128, value_parser = clap::value_parser!(u32).range(1..=4096))]
+    #[arg(long, value_name = "PIXELS", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=4096))]
     pub size: u32,
-    /// Samples per pixel of pictures.
-    #[arg(long, value_name = "N", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..))]
-    pub samples: u32,
-    /// Stop a renderer after this many seconds for one picture.
-    #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = clap::value_parser!(u64).range(1..))]
+    /// Render pictures until the median noise of a pixel is at most this share (0.05, or 5%).
+    #[arg(long, value_name = "SHARE", default_value = "5%", value_parser = share)]
+    pub noise: f64,
+    /// Spend about this many seconds on each picture; what is rendered stays in the cache, and the next run goes on.
+    #[arg(long, value_name = "SECONDS", default_value_t = 300, value_parser = clap::value_parser!(u64).range(1..))]
     pub timeout: u64,
     #[command(flatten)]
     pub limits: Limits,

@@ -208,6 +208,50 @@ impl Default for Writing<'_> {
     }
 }
 
+/// A hash of what a scene is for a target: [`Job::content`] without a renderer.
+///
+/// # Errors
+/// As of [`Job::new`].
+pub fn content(scene: &Valid, target: &'static Target, writing: &Writing<'_>) -> Result<String, Failure> {
+    write(scene, target, writing).map(|(_, content, _)| content.to_hex().to_string())
+}
+
+/// Writes a scene for a target into a folder of its own, and reads it back.
+fn write(
+    scene: &Valid,
+    target: &'static Target,
+    writing: &Writing<'_>,
+) -> Result<(Folder, blake3::Hash, Option<Effective>), Failure> {
+    let work = Folder::new().map_err(|error| no_temporary(&error))?;
+    let camera = writing
+        .camera
+        .or_else(|| pipeline::camera(scene, None))
+        .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
+    let failed = |error: std::io::Error| unwritable(work.path(), &error);
+    let mut sink = DiskSink::own(work.path(), &scene.name);
+    let own;
+    let ledger = match writing.ledger {
+        Some(ledger) => ledger,
+        None => {
+            own = Ledger::of(scene, target, &[]);
+            &own
+        }
+    };
+    let given = writing.statements;
+    pipeline::emit_given(scene, camera, target, ledger, &writing.choices, given, &mut sink).map_err(failed)?;
+    let audited = pipeline::audit_given(scene, camera, &[target], given, &sink, |_| String::new());
+    if let Some(wrong) = audited.findings().next() {
+        let message = format!("{}: {} for {}", scene.name, wrong.message, target.name);
+        return Err(Failure::new(Exit::Fault, message)
+            .help("ltsc wrote something else than the scene says: please report it with the scene"));
+    }
+    // The ledger is for people.
+    let content = sink.content(|path| path != ledger::FILE);
+    sink.finish().map_err(failed)?;
+    let effective = audited.targets.into_iter().next().map(|audit| audit.effective);
+    Ok((work, content, effective))
+}
+
 /// A scene as it was written for a renderer, in a folder that goes with it, or in one that was there.
 pub struct Job<'r> {
     runner: &'r Runner,
@@ -236,35 +280,8 @@ impl<'r> Job<'r> {
     /// # Errors
     /// As of [`Job::new`].
     pub fn written(scene: &Valid, runner: &'r Runner, writing: &Writing<'_>) -> Result<Self, Failure> {
-        let target = target_of(runner.driver);
-        let work = Folder::new().map_err(|error| no_temporary(&error))?;
-        let camera = writing
-            .camera
-            .or_else(|| pipeline::camera(scene, None))
-            .ok_or_else(|| Failure::new(Exit::Fault, format!("the scene `{}` lost its camera", scene.name)))?;
-        let failed = |error: std::io::Error| unwritable(work.path(), &error);
-        let mut sink = DiskSink::own(work.path(), &scene.name);
-        let own;
-        let ledger = match writing.ledger {
-            Some(ledger) => ledger,
-            None => {
-                own = Ledger::of(scene, target, &[]);
-                &own
-            }
-        };
-        let given = writing.statements;
-        pipeline::emit_given(scene, camera, target, ledger, &writing.choices, given, &mut sink).map_err(failed)?;
-        let audited = pipeline::audit_given(scene, camera, &[target], given, &sink, |_| String::new());
-        if let Some(wrong) = audited.findings().next() {
-            let message = format!("{}: {} for {}", scene.name, wrong.message, target.name);
-            return Err(Failure::new(Exit::Fault, message)
-                .help("ltsc wrote something else than the scene says: please report it with the scene"));
-        }
-        // The ledger is for people.
-        let content = sink.content(|path| path != ledger::FILE);
-        sink.finish().map_err(failed)?;
+        let (work, content, effective) = write(scene, target_of(runner.driver), writing)?;
         let size = (scene.film.width as usize, scene.film.height as usize);
-        let effective = audited.targets.into_iter().next().map(|audit| audit.effective);
         Ok(Self { runner, folder: work.path().to_owned(), work, scene: scene.name.clone(), size, content, effective })
     }
 
@@ -309,6 +326,12 @@ impl<'r> Job<'r> {
     #[must_use]
     pub fn folder(&self) -> &Path {
         &self.folder
+    }
+
+    /// A hash of everything that was written for the renderer, whichever version of it there is.
+    #[must_use]
+    pub fn content(&self) -> String {
+        self.content.to_hex().to_string()
     }
 
     /// A hash of everything that decides how the image looks but for samples and seed: files, renderer and version.

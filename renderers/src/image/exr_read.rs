@@ -44,6 +44,21 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
     Ok((image, window, attributes))
 }
 
+/// The picture in the channels of a prefix, such as `error.`; none where no part of the file has them.
+pub(super) fn layer(bytes: &[u8], prefix: &str) -> Result<Option<Image>, Fault> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(decoder_fault)?;
+    for header in &meta.headers {
+        check(header, bytes.len())?;
+    }
+    let names: Vec<String> = ["R", "G", "B"].map(|name| format!("{prefix}{name}")).to_vec();
+    let has = |header: &&Header, name: &String| header.channels.list.iter().any(|one| lossy(one.name.bytes()) == *name);
+    let Some(header) = meta.headers.iter().find(|header| names.iter().all(|name| has(header, name))) else {
+        return Ok(None);
+    };
+    usable(header, &names)?;
+    pixels(bytes, &names).map(Some)
+}
+
 /// The string attributes in front of a file.
 pub(super) fn texts(bytes: &[u8]) -> Result<Attributes, Fault> {
     let (raw, _) = scan(bytes)?;

@@ -6,7 +6,7 @@ use std::path::Path;
 use exr::image::Encoding;
 use exr::prelude::{
     AnyChannel, AnyChannels, Compression, FlatSamples, Image as ExrImage, Layer, LayerAttributes, LineOrder,
-    WritableImage,
+    WritableImage, f16,
 };
 
 use super::attributes::{PROLOGUE, scan};
@@ -31,7 +31,8 @@ pub fn write_exr(path: &Path, image: &Image, provenance: &Provenance) -> Result<
 /// # Errors
 /// If the image cannot be stored.
 pub fn exr_bytes(path: &Path, image: &Image, provenance: &Provenance) -> Result<Vec<u8>, ImageError> {
-    encode(&[("", image)], provenance).map_err(|message| ImageError::Unwritable { path: path.to_owned(), message })
+    encode(&[("", image)], provenance, Numbers::Single)
+        .map_err(|message| ImageError::Unwritable { path: path.to_owned(), message })
 }
 
 /// The bytes of a file of several images of one size: each has a prefix to its channels `R`, `G` and `B`, such as `variance.`, and the
@@ -40,10 +41,35 @@ pub fn exr_bytes(path: &Path, image: &Image, provenance: &Provenance) -> Result<
 /// # Errors
 /// If the images cannot be stored.
 pub fn layered_bytes(path: &Path, layers: &[(&str, &Image)], provenance: &Provenance) -> Result<Vec<u8>, ImageError> {
-    encode(layers, provenance).map_err(|message| ImageError::Unwritable { path: path.to_owned(), message })
+    encode(layers, provenance, Numbers::Single)
+        .map_err(|message| ImageError::Unwritable { path: path.to_owned(), message })
 }
 
-fn encode(layers: &[(&str, &Image)], provenance: &Provenance) -> Result<Vec<u8>, String> {
+/// The same in half floats: 11 significant bits, from 6e-8 to 65504. What is larger becomes infinite.
+///
+/// # Errors
+/// If the images cannot be stored.
+pub fn half_bytes(path: &Path, layers: &[(&str, &Image)], provenance: &Provenance) -> Result<Vec<u8>, ImageError> {
+    encode(layers, provenance, Numbers::Half)
+        .map_err(|message| ImageError::Unwritable { path: path.to_owned(), message })
+}
+
+/// The nearest half float, as [`half_bytes`] stores it.
+#[must_use]
+pub fn as_half(value: f32) -> f32 {
+    f16::from_f32(value).to_f32()
+}
+
+/// How numbers are stored.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Numbers {
+    /// 32 bits.
+    Single,
+    /// 16 bits.
+    Half,
+}
+
+fn encode(layers: &[(&str, &Image)], provenance: &Provenance, numbers: Numbers) -> Result<Vec<u8>, String> {
     let (width, height) = layers.first().map_or((0, 0), |(_, image)| (image.width, image.height));
     if width == 0 || height == 0 || width > MAX_SIDE || height > MAX_SIDE {
         return Err(format!("{width}x{height} pixels cannot be stored"));
@@ -53,8 +79,12 @@ fn encode(layers: &[(&str, &Image)], provenance: &Provenance) -> Result<Vec<u8>,
         return Err("the number of pixels does not fit the size".to_owned());
     }
     let channel = |prefix: &str, image: &Image, at: usize| {
-        let samples = image.pixels.iter().map(|pixel| pixel[at]).collect();
-        AnyChannel::new(format!("{prefix}{}", ["R", "G", "B"][at]).as_str(), FlatSamples::F32(samples))
+        let samples = image.pixels.iter().map(|pixel| pixel[at]);
+        let samples = match numbers {
+            Numbers::Single => FlatSamples::F32(samples.collect()),
+            Numbers::Half => FlatSamples::F16(samples.map(f16::from_f32).collect()),
+        };
+        AnyChannel::new(format!("{prefix}{}", ["R", "G", "B"][at]).as_str(), samples)
     };
     let all = layers.iter().flat_map(|(prefix, image)| [0, 1, 2].map(|at: usize| channel(prefix, image, at)));
     let channels = AnyChannels::sort(all.collect());
@@ -113,6 +143,10 @@ mod tests {
     use super::super::{decode, read};
     use super::*;
 
+    fn encode(layers: &[(&str, &Image)], provenance: &Provenance) -> Result<Vec<u8>, String> {
+        super::encode(layers, provenance, Numbers::Single)
+    }
+
     fn provenance() -> Provenance {
         Provenance {
             scene: "cbox".to_owned(),
@@ -144,6 +178,25 @@ mod tests {
         assert_eq!(attributes[0].0, "ltsc:note");
         // The decoder checks every attribute and offset in its strict mode.
         exr::meta::MetaData::read_from_file(&path, true).expect("a valid header");
+    }
+
+    #[test]
+    fn half_floats_have_eleven_bits_and_an_end() {
+        let folder = tempfile::tempdir().expect("temporary folder");
+        let path = folder.path().join("image.exr");
+        let image = Image { width: 2, height: 1, pixels: vec![[1.0, 1.000_3, 65_504.0], [6e-8, 1e-8, 7e4]] };
+        let error = Image::filled(2, 1, [0.25, 1e-6, -0.0]);
+        let bytes = half_bytes(&path, &[("", &image), ("error.", &error)], &provenance()).expect("encode");
+        std::fs::write(&path, bytes).expect("write");
+        let (read, layer, attributes) = super::super::read_layered(&path, "error.").expect("read");
+        assert_eq!(read.pixels, image.pixels.iter().map(|pixel| pixel.map(as_half)).collect::<Vec<_>>());
+        assert_eq!(read.pixels[0], [1.0, 1.0, 65_504.0]);
+        assert_eq!(read.pixels[1], [5.960_464_5e-8, 0.0, f32::INFINITY]);
+        let layer = layer.expect("the layer");
+        // Below 6.1e-5 steps of 6e-8 are left: 3 % here.
+        assert!(layer.pixels[0][0] == 0.25 && (layer.pixels[0][1] / 1e-6 - 1.0).abs() < 0.03, "{layer:?}");
+        assert_eq!(Provenance::from_attributes(&attributes), provenance());
+        assert_eq!(super::super::read_layered(&path, "variance.").expect("read").1, None);
     }
 
     #[test]

@@ -12,7 +12,7 @@ use std::path::Path;
 use crate::regular;
 
 pub use error::ImageError;
-pub use exr_write::{exr_bytes, layered_bytes, write_exr};
+pub use exr_write::{as_half, exr_bytes, half_bytes, layered_bytes, write_exr};
 pub use pfm::write_pfm;
 pub use provenance::Provenance;
 
@@ -72,6 +72,24 @@ pub fn read(path: &Path) -> Result<(Image, Attributes), ImageError> {
     read_placed(path).map(|(image, _, attributes)| (image, attributes))
 }
 
+/// The same as [`read`], with the picture in the channels of a prefix beside it, such as `error.`; none where the file has no such channels.
+///
+/// # Errors
+/// As of [`read`], and where the two differ in size.
+pub fn read_layered(path: &Path, prefix: &str) -> Result<(Image, Option<Image>, Attributes), ImageError> {
+    let bytes = bytes_of(path)?;
+    let whole = || -> Result<_, Fault> {
+        let (image, _, attributes) = decode(&bytes)?;
+        let layer = if bytes.starts_with(&attributes::MAGIC) { exr_read::layer(&bytes, prefix)? } else { None };
+        if layer.as_ref().is_some_and(|layer| (layer.width, layer.height) != (image.width, image.height)) {
+            let message = format!("its layer `{}` has another size than its picture", prefix.trim_end_matches('.'));
+            return Err(Fault::new(message, "write both with one data window"));
+        }
+        Ok((image, layer, attributes))
+    };
+    whole().map_err(|fault| fault.at(path))
+}
+
 /// The string attributes of an OpenEXR file, without its pixels; none of a PFM file.
 ///
 /// # Errors
@@ -104,12 +122,15 @@ const HEADERS: [u64; 2] = [1 << 14, 1 << 20];
 /// # Errors
 /// As of [`read`].
 pub fn read_placed(path: &Path) -> Result<(Image, Window, Attributes), ImageError> {
-    let fault = |source| ImageError::Io { path: path.to_owned(), source };
-    let bytes = regular::read(path, MOST_BYTES).map_err(|error| match error.kind() {
+    decode(&bytes_of(path)?).map_err(|fault| fault.at(path))
+}
+
+/// The whole file.
+fn bytes_of(path: &Path) -> Result<Vec<u8>, ImageError> {
+    regular::read(path, MOST_BYTES).map_err(|error| match error.kind() {
         std::io::ErrorKind::InvalidInput => ImageError::NotAFile { path: path.to_owned() },
-        _ => fault(error),
-    })?;
-    decode(&bytes).map_err(|fault| fault.at(path))
+        _ => ImageError::Io { path: path.to_owned(), source: error },
+    })
 }
 
 /// Where the pixels of a file lie: an OpenEXR file may have fewer or more of them than it shows.

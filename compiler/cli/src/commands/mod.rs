@@ -17,6 +17,7 @@ mod fmt;
 mod init;
 mod lint;
 mod manual;
+mod reference;
 mod render;
 mod renderers;
 mod said;
@@ -26,7 +27,7 @@ mod stats;
 mod task;
 mod users;
 
-use crate::args::{Arguments, Command, Format, RenderersAction};
+use crate::args::{Arguments, Command, Format, ReferenceAction, RenderersAction};
 use crate::output::{Exit, print_failure, show};
 use crate::terminal;
 
@@ -47,6 +48,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Agree(command) => agree::run(&command),
         Command::Eval(command) => eval::run(&command),
         Command::Clean(command) => clean::run(&command),
+        Command::Reference(command) => reference::run(&command),
         Command::Renderers(command) => renderers::run(&command),
         Command::Cache(command) => cache::run(&command),
         Command::Conventions(command) => conventions::run(&command),
@@ -80,6 +82,11 @@ fn format_of(command: &Command) -> Format {
         Command::Eval(command) => command.findings.format,
         Command::Clean(command) => command.format,
         Command::Cache(command) => command.format,
+        Command::Reference(command) => match &command.action {
+            Some(ReferenceAction::List(list)) => list.format,
+            Some(ReferenceAction::Add(add)) => add.format,
+            None => command.findings.format,
+        },
         Command::Renderers(command) => match command.action {
             RenderersAction::List { format } => format,
             RenderersAction::Install { .. } | RenderersAction::Trust => Format::Human,

@@ -275,6 +275,10 @@ pub const CODES: &[Code] = &[
         "shadows-builtin",
         "A function has the name of a constructor or function of the language, and takes its place.\nIt is allowed: a version of the language that adds names does not break scenes that have them already.",
     ),
+    remark(
+        "stale-reference",
+        "A reference that ltsc made is of a scene as it was once.\nIt is known by what was written for its renderer: the scene, its settings, or what ltsc writes has changed since.",
+    ),
     code(
         "step-limit",
         "A file takes more than ten million steps: calls and iterations, and 32 parts of expressions or elements of lists count as one more.\nThe limit keeps a scene from running without end; `--limit steps=N`, or `[limits]` in ltsc.toml, raises it.",

@@ -158,6 +158,14 @@ impl Sampler {
         }
     }
 
+    /// The constructor that makes it.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Independent { samples: _, seed: _ } => "independent",
+            Self::Sobol { samples: _, seed: _ } => "sobol",
+        }
+    }
+
     /// Samples per pixel.
     pub fn samples(&self) -> u32 {
         match *self {

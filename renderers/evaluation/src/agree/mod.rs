@@ -12,7 +12,7 @@ use ltsc_render::image::{Image, Provenance, exr_bytes, read, reduce};
 use ltsc_render::run::{Driver, Rendered};
 
 use crate::compare::Images;
-use crate::compare::verdict::{self, GRIDS, Stated, Tolerance, judge_stated};
+use crate::compare::verdict::{self, Stated, Tolerance, judge_stated};
 use crate::disk::{not_ours, unwritable, write_whole};
 use crate::failure::{Exit, Failure};
 use crate::job::{Job, Runner, lacks, stated};
@@ -108,12 +108,13 @@ impl Study<'_> {
         let more: f64 = stated.iter().map(|one| one.share).sum();
         let of = |made: &'_ Made| made.images.len();
         let side = |images| verdict::Rendered { images: Images::Held(images), samples: f64::from(self.samples) };
-        let (verdict, excused) = judge_stated(side(&a.images), side(&b.images), self.tolerance, more, GRIDS[0])
-            .map_err(|error| {
-                let (one, other) = (&a.side.name, &b.side.name);
-                let counts = format!("{one} ({}) and {other} ({})", of(a), of(b));
-                Failure::new(Exit::Environment, format!("{}: {counts}: {error}", scene.name)).help(error.hint())
-            })?;
+        let (verdict, excused) =
+            judge_stated(|within| verdict::judge(side(&a.images), side(&b.images), within), self.tolerance, more)
+                .map_err(|error| {
+                    let (one, other) = (&a.side.name, &b.side.name);
+                    let counts = format!("{one} ({}) and {other} ({})", of(a), of(b));
+                    Failure::new(Exit::Environment, format!("{}: {counts}: {error}", scene.name)).help(error.hint())
+                })?;
         Ok(Row {
             scene: scene.name.clone(),
             settings: self.settings.to_vec(),

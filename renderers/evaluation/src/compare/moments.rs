@@ -44,6 +44,32 @@ impl Moments {
         Self { width, height, count: 0, pixels: vec![none; width * height] }
     }
 
+    /// Those of `count` images of which only the mean and the variance of that mean are left. What else there is to know of them is
+    /// taken to be nothing: no skewness, no value above the mean; the mean of the channels as noisy as channels that vary together.
+    ///
+    /// # Errors
+    /// If the two differ in size.
+    pub fn of_mean(mean: &Image, variance: &Image, count: usize) -> Result<Self, CompareError> {
+        if (mean.width, mean.height) != (variance.width, variance.height) {
+            let size = |image: &Image| (image.width, image.height);
+            return Err(CompareError::Size { a: size(mean), b: size(variance) });
+        }
+        let freedom = count as f64 * count.saturating_sub(1) as f64;
+        let of = |(value, variance): (&[f32; 3], &[f32; 3])| {
+            let squares = variance.map(|part| f64::from(part) * freedom);
+            let grey = (squares.iter().map(|part| part.max(0.0).sqrt()).sum::<f64>() / 3.0).powi(2);
+            Pixel {
+                mean: value.map(f64::from),
+                squares: [squares[0] as f32, squares[1] as f32, squares[2] as f32, grey as f32],
+                cubes: [0.0; 3],
+                largest: *value,
+                bad: !finite(value) || !finite(variance),
+            }
+        };
+        let pixels = mean.pixels.iter().zip(&variance.pixels).map(of).collect();
+        Ok(Self { width: mean.width, height: mean.height, count, pixels })
+    }
+
     /// Adds an image.
     ///
     /// # Errors

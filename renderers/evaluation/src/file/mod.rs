@@ -31,6 +31,7 @@ mod tests;
 use ltsc_core::diag::{FileId, Finding, Severity, Span};
 
 pub use model::Evaluation;
+pub use parts::duration;
 pub use print::print;
 pub use read::read;
 pub use resolve::{LEAST_CHUNKS, resolve};

@@ -111,26 +111,38 @@ pub(super) fn budget(item: &Item<'_>, reader: &mut Reader) -> Budget {
 }
 
 /// The units of times, and how many seconds each has.
-const UNITS: &[(&str, f64)] = &[("ms", 1e-3), ("s", 1.0), ("min", 60.0), ("h", 3600.0)];
+const UNITS: &[(&str, f64)] = &[("ms", 1e-3), ("s", 1.0), ("min", 60.0), ("m", 60.0), ("h", 3600.0)];
 
 /// A hundred days.
 const LONGEST: f64 = 8_640_000.0;
 
+/// A number with a unit, such as `90s`, `1.5min` or `2h`, in seconds.
+fn seconds(text: &str) -> Option<f64> {
+    let text = text.trim();
+    let end = text.find(|letter: char| letter.is_ascii_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(end);
+    let unit = UNITS.iter().find(|(name, _)| *name == unit);
+    number.trim().parse::<f64>().ok().zip(unit).map(|(number, (_, seconds))| number * seconds)
+}
+
+/// A time as people write it outside of files: the same, or seconds without a unit. None where it is none, or not above 0.
+#[must_use]
+pub fn duration(text: &str) -> Option<Duration> {
+    let seconds = text.trim().parse::<f64>().ok().or_else(|| seconds(text))?;
+    // A microsecond is the least, so that a time can be written down and read back.
+    (1e-6..=LONGEST).contains(&seconds).then(|| Duration::from_secs_f64(seconds))
+}
+
 /// Seconds, or a text with a unit: `90`, `"90s"`, `"1.5min"`.
 pub(super) fn time(item: &Item<'_>, reader: &mut Reader) -> Option<At<Duration>> {
     let seconds = if let Some(text) = item.as_str() {
-        let text = text.trim();
-        let end = text.find(|letter: char| letter.is_ascii_alphabetic()).unwrap_or(text.len());
-        let (number, unit) = text.split_at(end);
-        let unit = UNITS.iter().find(|(name, _)| *name == unit);
-        number.trim().parse::<f64>().ok().zip(unit).map(|(number, (_, seconds))| number * seconds)
+        seconds(text)
     } else if item.is_int() || item.as_float().is_some() {
         item.as_number()
     } else {
         reader.mismatch(item, "seconds, or a string with a unit");
         return None;
     };
-    // A microsecond is the least, so that a time can be written down and read back.
     let seconds = seconds.filter(|seconds| (1e-6..=LONGEST).contains(seconds));
     if seconds.is_none() {
         reader.error("evaluation-value", item.span, format!("`{}` takes a time above 0", item.name)).help =

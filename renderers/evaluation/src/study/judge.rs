@@ -7,11 +7,12 @@ use ltsc_core::files::Sink;
 use ltsc_render::image::{Image, Provenance, layered_bytes, read, reduce};
 
 use crate::chunk::{Chunks, Machine, VARIANCE};
-use crate::compare::verdict::{Rendered, Stated, judge_stated};
-use crate::compare::{CompareOptions, Images, compare};
+use crate::compare::verdict::{Kept, Rendered, Stated, judge_in, judge_kept, judge_stated};
+use crate::compare::{CompareOptions, compare};
 use crate::disk::{DiskSink, unwritable};
 use crate::failure::{Exit, Failure};
 use crate::file::model::{self, Run};
+use crate::reference::{Found, of_file};
 use crate::watch::Watch;
 
 use super::folder::copy;
@@ -26,11 +27,25 @@ use super::{Done, Folder, Study, tables};
 const FILE: &str = "evaluation.toml";
 
 /// One side of a comparison, as it is.
-pub enum Side<'s> {
+enum Side<'s> {
     /// What was rendered.
     Rendered(&'s Chunks),
-    /// A reference, which is taken to be free of noise.
-    Reference(&'s Image),
+    /// A reference; without a variance it is taken to be free of noise.
+    Reference(&'s Reference),
+}
+
+/// A reference at the size of the images.
+struct Reference {
+    image: Image,
+    /// What `ltsc reference` keeps beside it.
+    kept: Option<Found>,
+}
+
+impl Reference {
+    fn kept(&self) -> Kept<'_> {
+        let exact = Kept { mean: &self.image, variance: None, images: 1, samples: 1.0, correlation: (1.0, 1.0) };
+        self.kept.as_ref().map_or(exact, Found::side)
+    }
 }
 
 /// What the work on one condition needs.
@@ -43,7 +58,7 @@ struct At<'a> {
     /// Mean images, by run: only those that are needed again.
     means: BTreeMap<usize, Image>,
     /// Reference images by the file as it is written; the reason where one cannot be used.
-    references: BTreeMap<String, Result<Image, String>>,
+    references: BTreeMap<String, Result<Reference, String>>,
 }
 
 pub(super) fn judge(
@@ -244,7 +259,7 @@ impl At<'_> {
         let Some(of_b) = self.means.get(&pair.b) else { return Ok(Err(format!("`{}` has no image", made.b))) };
         let (of_a, side_a) = match &pair.a {
             model::Side::File(file) => match self.references.get(file) {
-                Some(Ok(image)) => (image, Side::Reference(image)),
+                Some(Ok(reference)) => (&reference.image, Side::Reference(reference)),
                 Some(Err(why)) => return Ok(Err(why.clone())),
                 None => return Ok(Err("the reference was not read".to_owned())),
             },
@@ -268,15 +283,21 @@ impl At<'_> {
             return Ok(Err(format!("`{}` is one image, whose noise is not known", made.b)));
         }
         let more: f64 = made.stated.iter().map(|one| one.share).sum();
-        let sides = match side_a {
+        let b = Rendered { images: b.images(), samples: f64::from(b.samples) };
+        let fine = evaluation.tiles as usize;
+        let judged = match side_a {
             Side::Rendered(a) if a.files.len() < 2 => {
                 return Ok(Err(format!("`{}` is one image, whose noise is not known", made.a)));
             }
-            Side::Rendered(a) => Rendered { images: a.images(), samples: f64::from(a.samples) },
-            Side::Reference(image) => Rendered { images: Images::Held(std::slice::from_ref(image)), samples: 1.0 },
+            Side::Rendered(a) => {
+                let a = Rendered { images: a.images(), samples: f64::from(a.samples) };
+                judge_stated(|within| judge_in(a, b, within, fine), evaluation.tolerance, more)
+            }
+            Side::Reference(a) => {
+                judge_stated(|within| judge_kept(a.kept(), b, within, fine), evaluation.tolerance, more)
+            }
         };
-        let b = Rendered { images: b.images(), samples: f64::from(b.samples) };
-        match judge_stated(sides, b, evaluation.tolerance, more, evaluation.tiles as usize) {
+        match judged {
             Ok((verdict, excused)) => {
                 made.excused = excused;
                 made.verdict = Some(verdict);
@@ -293,21 +314,35 @@ impl At<'_> {
         }
         let size = self.prepared.jobs[self.prepared.runs[b].job].size();
         let path = self.study.base.join(file);
-        let image = read(&path).map(|(image, _)| image).and_then(|image| {
-            if (image.width, image.height) == size { Ok(image) } else { reduce(&image, size.0, size.1) }
-        });
-        self.references.insert(file.to_owned(), image.map_err(|error| error.to_string()));
+        let loaded =
+            match of_file(&path, None) {
+                Err(failure) => Err(failure.message),
+                Ok(Some(found)) => found
+                    .reduced(size.0, size.1)
+                    .map(|found| Reference { image: found.image.clone(), kept: Some(found) })
+                    .map_err(|error| error.to_string()),
+                Ok(None) => read(&path)
+                    .and_then(|(image, _)| {
+                        if (image.width, image.height) == size { Ok(image) } else { reduce(&image, size.0, size.1) }
+                    })
+                    .map(|image| Reference { image, kept: None })
+                    .map_err(|error| error.to_string()),
+            };
+        self.references.insert(file.to_owned(), loaded);
     }
 
     /// References beside the images.
     fn references(&mut self, condition: &str) -> std::io::Result<()> {
         let mut names = Names::default();
-        for (file, image) in &self.references {
-            let Ok(image) = image else { continue };
+        for (file, reference) in &self.references {
+            let Ok(Reference { image, kept }) = reference else { continue };
             let stem = Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
             let path = format!("references/{condition}/{}.exr", names.of(&stem));
+            let variance = kept.as_ref().and_then(|kept| kept.variance.as_ref());
+            let layers: Vec<(&str, &Image)> =
+                std::iter::once(("", image)).chain(variance.map(|variance| (VARIANCE, variance))).collect();
             let provenance = Provenance { extra: vec![("from".to_owned(), file.clone())], ..Provenance::default() };
-            let bytes = layered_bytes(&self.folder.path.join(&path), &[("", image)], &provenance)
+            let bytes = layered_bytes(&self.folder.path.join(&path), &layers, &provenance)
                 .map_err(|error| std::io::Error::other(error.to_string()))?;
             self.sink.file(&path, &mut |out| out.write_all(&bytes))?;
         }
@@ -322,7 +357,7 @@ impl At<'_> {
         let first = evaluation.pairs.iter().find(|pair| pair.b == at);
         let reference = first.and_then(|pair| match &pair.a {
             model::Side::Run(other) => self.means.get(other),
-            model::Side::File(file) => self.references.get(file)?.as_ref().ok(),
+            model::Side::File(file) => self.references.get(file)?.as_ref().ok().map(|reference| &reference.image),
         });
         let job = &self.prepared.jobs[self.prepared.runs[at].job];
         Ok(Some(timing::Run {

@@ -30,7 +30,6 @@ use crate::watch::Watch;
 pub use clean::{Removed, clean};
 pub use estimate::Estimate;
 pub use folder::{Clean, Folder, is_results};
-pub use judge::Side;
 pub use prepare::{Loaded, Prepared, prepare};
 pub use runners::{Runners, runners};
 pub use work::{Fate, Options};

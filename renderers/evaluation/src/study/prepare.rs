@@ -1,7 +1,8 @@
 //! Runs made ready: each scene with the settings and statements of its case, written for its renderer and read back, and divided into
 //! chunks. Everything that can be known before the first ray is told here.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
 
 use ltsc_core::capability::Support;
 use ltsc_core::capability::algorithm;
@@ -19,6 +20,7 @@ use crate::failure::Failure;
 use crate::file::model::{Condition, Run, Side, Variant};
 use crate::file::{Evaluation, LEAST_CHUNKS};
 use crate::job::{Job, Runner, Writing, stated, target_of};
+use crate::reference::of_file;
 
 use super::runners::Runners;
 
@@ -59,7 +61,7 @@ pub struct Prepared<'r> {
     pub findings: Vec<Finding>,
 }
 
-/// Writes all runs for their renderers; `conditions` are in the order of [`Evaluation::conditions`].
+/// Writes all runs for their renderers; `conditions` are in the order of [`Evaluation::conditions`], and `base` is the folder of its file.
 ///
 /// # Errors
 /// Everything that forbids to go on, with what else was found.
@@ -67,6 +69,7 @@ pub fn prepare<'r>(
     evaluation: &Evaluation,
     conditions: &[Loaded],
     runners: &'r Runners,
+    base: &Path,
 ) -> Result<Prepared<'r>, Vec<Finding>> {
     let one = |run: &Run| {
         let runner = runners.get(evaluation.variant(*run).renderer)?;
@@ -95,6 +98,7 @@ pub fn prepare<'r>(
     let wrong = prepared.findings.iter().any(|finding| finding.severity >= Severity::Deny);
     if !wrong && prepared.runs.len() == evaluation.runs.len() {
         apart(evaluation, &mut prepared);
+        stale(evaluation, conditions, base, &mut prepared.findings);
     }
     if wrong || prepared.runs.len() < evaluation.runs.len() { Err(prepared.findings) } else { Ok(prepared) }
 }
@@ -115,6 +119,33 @@ fn apart(evaluation: &Evaluation, prepared: &mut Prepared<'_>) {
             if !prepared.findings.contains(&finding) {
                 prepared.findings.push(finding);
             }
+        }
+    }
+}
+
+/// Says which references that ltsc has made are of scenes as they were once.
+fn stale(evaluation: &Evaluation, conditions: &[Loaded], base: &Path, findings: &mut Vec<Finding>) {
+    let mut seen = BTreeSet::new();
+    for pair in &evaluation.pairs {
+        let Side::File(file) = &pair.a else { continue };
+        let run = evaluation.runs[pair.b];
+        if !seen.insert((file, run.condition)) {
+            continue;
+        }
+        let loaded = &conditions[run.condition];
+        let variant = evaluation.variant(run);
+        let Ok(scene) = pipeline::override_settings(loaded.scene.clone(), &variant.settings.overrides()) else {
+            continue;
+        };
+        // One that cannot be read is told with the comparison.
+        let Ok(Some(found)) = of_file(&base.join(file), Some((&scene, &loaded.choices))) else { continue };
+        if let Some(why) = found.stale {
+            let place = pair.span.unwrap_or(variant.span);
+            let message = format!("the reference `{file}` is not of the scene as it is now: {why}");
+            findings.push(
+                Finding::warn("stale-reference", place, message)
+                    .help("render it again by `ltsc reference`, or set the depth that it has"),
+            );
         }
     }
 }

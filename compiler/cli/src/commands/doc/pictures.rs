@@ -1,26 +1,28 @@
-//! Renderings for the catalogue: each scene in two renderers, and how they differ.
+//! Pictures for the catalogue: each scene by its references or in two renderers, and how they differ.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use ltsc_core::catalogue::Pictures;
-use ltsc_core::eval::Overrides;
 use ltsc_core::ir::Scene;
 use ltsc_core::pipeline;
+use ltsc_core::valid::Valid;
+use ltsc_evaluation::chunk::Store;
 use ltsc_evaluation::compare::{CompareOptions, compare, difference_rgb8, exposure, png, relative_rgb8, shown_rgb8};
+use ltsc_evaluation::reference::{self, Picture};
 use ltsc_render::regular;
-use ltsc_render::run::{Driver, Rendered, driver};
+use ltsc_render::run::driver;
 use serde_json::json;
 
 use crate::args::Doc;
 use crate::output::{Exit, Failure};
 use crate::project::Project;
-use crate::terminal::{self, Bar};
+use crate::terminal::{self, Watcher};
 use ltsc_evaluation::disk::{Done, Pages};
 
 use super::super::shared::check;
-use ltsc_evaluation::job::{Job, Runner, lacks};
+use ltsc_evaluation::job::{Job, Runner, Writing, lacks};
 
 /// The renderers that are compared, the reference first.
 const PAIR: [&str; 2] = ["mitsuba-3", "luxcore"];
@@ -51,32 +53,37 @@ pub fn load(folder: &Path, name: &str) -> Option<Pictures> {
     Some(Pictures { shown: pairs("shown")?, facts: pairs("facts")? })
 }
 
-/// Renders all scenes with the renderers that are there.
+/// Makes the pictures of all scenes: of their references, or with the renderers that are there.
 pub fn render_all(command: &Doc, scenes: &Scenes<'_>, folder: &Path) -> Result<(), Failure> {
-    let mut drivers: Vec<&'static Driver> = Vec::new();
-    for name in PAIR {
-        let Some(driver) = driver(name) else { continue };
-        let timeout = Duration::from_secs(command.timeout);
-        let there = match scenes.values().next() {
-            Some((_, project, _)) => Runner::find(driver, None, project.program(driver.name)?, Some(timeout)).is_ok(),
-            None => false,
-        };
-        if there {
-            drivers.push(driver);
-        } else {
-            terminal::say(&format!("{name} is not there: its pictures are left out; `ltsc renderers install {name}`"));
-        }
-    }
-    if drivers.is_empty() {
-        return Ok(());
-    }
+    let mut runners: Option<Vec<Runner>> = None;
     for name in scenes.keys() {
         Pages::new(folder, BY).refuse(&format!("pictures/{name}.json"), command.force)?;
     }
     for (name, (scene, project, path)) in scenes {
-        let (pictures, files) = one(command, scene, project, path, &drivers, folder)?;
+        let Some(scene) = prepared(command, scene, project, path)? else { continue };
+        let sized = reference::prepared(scene.clone(), Some(command.size), None, None)?;
+        let size = (sized.film.width as usize, sized.film.height as usize);
+        let references = reference::folder(&project.root);
+        let mut made = reference::pictures(&references, &scene, &project.choices, size)?;
+        let kept = !made.is_empty();
+        if kept {
+            terminal::say(&format!("{name}: pictures of what is kept in {}", references.display()));
+            made.truncate(PAIR.len());
+        } else {
+            let runners = match &mut runners {
+                Some(there) => there,
+                none => none.insert(there(command, project)?),
+            };
+            for runner in runners.iter() {
+                made.extend(one(command, &sized, project, runner)?);
+            }
+        }
+        let (mut pictures, files) = pictures_of(&scene.name, &made, folder)?;
         if pictures.shown.is_empty() {
             continue;
+        }
+        if kept {
+            pictures.facts.insert(0, ("from".to_owned(), "references of the project".to_owned()));
         }
         // What is rendered is kept, also where a later scene fails.
         let text = format!("{:#}\n", json!({ "shown": pictures.shown, "facts": pictures.facts }));
@@ -89,6 +96,32 @@ pub fn render_all(command: &Doc, scenes: &Scenes<'_>, folder: &Path) -> Result<(
         pages.finish(false, command.force)?;
     }
     Ok(())
+}
+
+/// The renderers of the pair that are there.
+fn there(command: &Doc, project: &Project) -> Result<Vec<Runner>, Failure> {
+    let mut runners = Vec::new();
+    for name in PAIR {
+        let Some(driver) = driver(name) else { continue };
+        match Runner::find(driver, None, project.program(driver.name)?, Some(Duration::from_secs(command.timeout))) {
+            Ok(runner) => runners.push(runner),
+            Err(_) => {
+                terminal::say(&format!(
+                    "{name} is not there: its pictures are left out; `ltsc renderers install {name}`"
+                ));
+            }
+        }
+    }
+    Ok(runners)
+}
+
+/// The scene as it is.
+fn prepared(command: &Doc, scene: &Scene, project: &Project, path: &PathBuf) -> Result<Option<Valid>, Failure> {
+    let overrides = ltsc_core::eval::Overrides::default();
+    let checked = check(project, std::slice::from_ref(path), &command.findings(), overrides, &[])?;
+    let Some(found) = checked.into_iter().next().and_then(|file| file.checked.scene) else { return Ok(None) };
+    let cannot = |_| Failure::new(Exit::Input, format!("the scene `{}` cannot be rendered", scene.name));
+    pipeline::prepare(found).map(|(scene, _)| Some(scene)).map_err(cannot)
 }
 
 /// What the record of pages says of who wrote them.
@@ -107,79 +140,56 @@ pub fn remove_others(folder: &Path, scenes: &BTreeSet<&str>, command: &Doc) -> R
     pages.finish(command.check, command.force)
 }
 
-/// The settings of a picture: the longer side is as asked for.
-fn settings(command: &Doc, scene: &Scene) -> Overrides {
-    let (width, height) = (scene.film.width, scene.film.height);
-    let longer = f64::from(width.max(height));
-    let side = |of: u32| Some(((f64::from(of) * f64::from(command.size) / longer).round() as u32).max(1));
-    Overrides { width: side(width), height: side(height), samples: Some(command.samples), ..Overrides::default() }
-}
-
-fn one(
-    command: &Doc,
-    scene: &Scene,
-    project: &Project,
-    path: &PathBuf,
-    drivers: &[&'static Driver],
-    folder: &Path,
-) -> Result<Made, Failure> {
-    let checked = check(project, std::slice::from_ref(path), &command.findings(), settings(command, scene), &[])?;
-    let Some(small) = checked.into_iter().next().and_then(|file| file.checked.scene) else {
-        return Ok(Made::default());
-    };
-    let (small, _) = pipeline::prepare(small)
-        .map_err(|_| Failure::new(Exit::Input, format!("the scene `{}` cannot be rendered", scene.name)))?;
-    let mut all: Vec<(&'static Driver, Rendered)> = Vec::new();
-    for driver in drivers {
-        if lacks(driver, &small) {
-            terminal::say(&format!("{}: {} lacks `{}`", scene.name, driver.name, small.integrator.word()));
-            continue;
-        }
-        let what = format!("{} ({})", scene.name, driver.name);
-        let mut bar = Bar::new(0, &what);
-        let timeout = Some(Duration::from_secs(command.timeout));
-        let runner = Runner::find(driver, None, project.program(driver.name)?, timeout)?;
-        let job = Job::new(&small, &runner)?;
-        let done = job.render(command.samples, small.sampler.seed(), &mut |_| bar.say(&what));
-        bar.finish();
-        match done {
-            Ok(image) => {
-                terminal::say(&format!("{}: {} in {:.1} s", scene.name, driver.name, image.seconds));
-                all.push((driver, image));
-            }
-            Err(error) => terminal::say(&format!("{}: {} left out: {error}", scene.name, driver.name)),
-        }
+/// A picture by one renderer; none where it lacks the algorithm, or fails.
+fn one(command: &Doc, scene: &Valid, project: &Project, runner: &Runner) -> Result<Option<Picture>, Failure> {
+    let driver = runner.driver;
+    if lacks(driver, scene) {
+        terminal::say(&format!("{}: {} lacks `{}`", scene.name, driver.name, scene.integrator.word()));
+        return Ok(None);
     }
-    pictures_of(command, scene, &all, folder)
+    let Some(cache) = &runner.cache else {
+        return Err(Failure::new(Exit::Environment, "the system names no cache folder, where chunks are kept")
+            .help("set LTSC_CACHE to a folder"));
+    };
+    let writing = Writing { choices: project.choices.clone(), ..Writing::default() };
+    let job = Job::written(scene, runner, &writing)?;
+    let wanted = (command.noise, Duration::from_secs(command.timeout));
+    let made = reference::picture(&Store::of(cache), &job, scene, wanted, &mut Watcher::default());
+    match &made {
+        Ok(Some(picture)) => {
+            terminal::say(&format!("{}: {} {}: {}", scene.name, driver.name, picture.version, picture.facts()));
+        }
+        Ok(None) => terminal::say(&format!(
+            "{}: {} left out: it takes longer than {} seconds; the next run goes on",
+            scene.name, driver.name, command.timeout
+        )),
+        Err(failure) => terminal::say(&format!("{}: {} left out: {}", scene.name, driver.name, failure.message)),
+    }
+    Ok(made.unwrap_or_default())
 }
 
 /// The pictures, and what was measured.
-fn pictures_of(
-    command: &Doc,
-    scene: &Scene,
-    rendered: &[(&'static Driver, Rendered)],
-    folder: &Path,
-) -> Result<Made, Failure> {
-    let Some((_, first)) = rendered.first() else { return Ok(Made::default()) };
+fn pictures_of(scene: &str, made: &[Picture], folder: &Path) -> Result<Made, Failure> {
+    let Some(first) = made.first() else { return Ok(Made::default()) };
     let stops = exposure(&first.image);
     let (mut pictures, mut files) = Made::default();
     let mut put = |title: String, kind: &str, width: usize, height: usize, pixels: &[u8]| {
-        let name = format!("{}-{kind}.png", scene.name);
+        let name = format!("{scene}-{kind}.png");
         let bytes = png(&folder.join("pictures").join(&name), width, height, pixels)
             .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))?;
         files.push((name.clone(), bytes));
         pictures.shown.push((title, name));
         Ok::<(), Failure>(())
     };
-    for (driver, done) in rendered {
-        let image = &done.image;
-        let title = format!("{} {}", driver.name, done.renderer_version);
-        put(title, driver.name, image.width, image.height, &shown_rgb8(image, stops))?;
+    let mut facts = Vec::new();
+    for picture in made {
+        let Picture { renderer, version, image, .. } = picture;
+        put(format!("{renderer} {version}"), renderer, image.width, image.height, &shown_rgb8(image, stops))?;
+        facts.push((renderer.clone(), picture.facts()));
     }
-    let mut facts = vec![("samples per pixel".to_owned(), command.samples.to_string())];
     facts.push(("exposure of the pictures".to_owned(), format!("{stops:+.1} stops")));
-    if let [(one, a), (other, b)] = rendered {
-        let (a, b) = (&a.image, &b.image);
+    if let [one, other] = made {
+        let (a, b) = (&one.image, &other.image);
         let different = |error: ltsc_evaluation::compare::CompareError| Failure::new(Exit::Fault, error.to_string());
         let signed = difference_rgb8(a, b, stops + STOPS).map_err(different)?;
         put(format!("difference, +{STOPS} stops"), "difference", a.width, a.height, &signed)?;
@@ -187,7 +197,7 @@ fn pictures_of(
         put(format!("relative difference, +{RELATIVE_STOPS} stops"), "relative", a.width, a.height, &relative)?;
         facts.push((
             "differences".to_owned(),
-            format!("green where {} is brighter, red where it is dimmer", other.name),
+            format!("green where {} is brighter, red where it is dimmer", other.renderer),
         ));
         let only = &["ratio", "relative-mse"];
         let options = CompareOptions { mask_non_finite: true, only, ..CompareOptions::default() };
@@ -197,7 +207,7 @@ fn pictures_of(
             let numbers: Vec<String> =
                 value.channels.iter().map(|part| part.map_or("none".to_owned(), |part| format!("{part:.4}"))).collect();
             let what = if *metric == "ratio" {
-                format!("mean of {} / mean of {} (red, green, blue)", other.name, one.name)
+                format!("mean of {} / mean of {} (red, green, blue)", other.renderer, one.renderer)
             } else {
                 "relative mean squared error (red, green, blue)".to_owned()
             };

@@ -10,6 +10,7 @@ use ltsc_core::formats::Target;
 use ltsc_core::pipeline;
 use ltsc_evaluation::file::Surroundings;
 use ltsc_evaluation::file::model::{Evaluation, Source};
+use ltsc_evaluation::reference;
 use ltsc_evaluation::study::Loaded;
 use rayon::prelude::*;
 
@@ -156,9 +157,8 @@ impl Surroundings for Around<'_> {
     fn reference(&self, scene: &Source, target: &'static Target) -> Option<String> {
         let (Source::Name(name) | Source::File(name)) = scene;
         let stem = Path::new(name).file_stem()?.to_str()?;
-        let folder = self.project.root.join("references").join(stem);
-        let file = folder.join(format!("{}.exr", target.name));
-        file.is_file().then(|| relative(&self.base, &file)).flatten()
+        let file = reference::file_of(&reference::folder(&self.project.root), stem, target.name)?;
+        relative(&self.base, &file)
     }
 }
 

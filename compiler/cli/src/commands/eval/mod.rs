@@ -57,7 +57,7 @@ pub fn run(command: &Eval) -> Result<Exit, Failure> {
         Ok(runners) => runners,
         Err(missing) => return Ok(said.refuse(missing)),
     };
-    let prepared = match prepare(&evaluation, &conditions, &runners) {
+    let prepared = match prepare(&evaluation, &conditions, &runners, &around.base) {
         Ok(prepared) => prepared,
         Err(found) => return Ok(said.refuse(found)),
     };

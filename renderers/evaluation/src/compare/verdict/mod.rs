@@ -10,6 +10,7 @@
 //! sample is clipped or left out as an outlier; instead each renderer is taken to have missed one event as large as the largest that
 //! either has seen nearby. Skewness is corrected as Hall (1992) does.
 
+mod kept;
 mod normal;
 mod side;
 mod stated;
@@ -19,6 +20,7 @@ use serde::{Deserialize, Serialize};
 
 use super::moments::Moments;
 use super::{CompareError, Images};
+pub use kept::{Kept, MeanError, error_of, judge_kept, mean_error};
 pub use stated::{Stated, judge_stated};
 pub use words::Told;
 
@@ -266,12 +268,21 @@ pub fn judge_in(a: Rendered<'_>, b: Rendered<'_>, tolerance: Tolerance, fine: us
     }
     let sides = [Side::of(of_a, a.images, &mask, a.samples)?, Side::of(of_b, b.images, &mask, b.samples)?];
     drop(moments);
+    decided(&sides, (tolerance, fine), counts, masked)
+}
+
+/// The verdict on two sides.
+fn decided(
+    sides: &[Side; 2],
+    (tolerance, fine): (Tolerance, usize),
+    counts: (usize, usize),
+    masked: usize,
+) -> Result<Verdict, CompareError> {
     let noise = [0, 1].map(|at: usize| sides[at].noise());
-    let tests = tests(&sides, noise, tolerance, fine)?;
+    let tests = tests(sides, noise, tolerance, fine)?;
     let count = tests.len() as f64;
     let bound = normal::exceeded((1.0 - (1.0 - FALSE_ALARM).powf(1.0 / count)) / 2.0);
-    let samples = b.samples * counts.1 as f64;
-    Ok(verdict(tests, bound, (tolerance, fine), counts, noise, masked, samples))
+    Ok(verdict(tests, bound, (tolerance, fine), counts, noise, masked, sides[1].samples * sides[1].count))
 }
 
 /// All cells in all channels, the finest grid first.

@@ -58,6 +58,8 @@ pub(super) struct Side {
     tiles: Vec<Sums>,
     /// Of each image the sums over the tiles.
     images: Vec<Vec<[f64; PARTS]>>,
+    /// How the errors hang together, where that is known and the images are not.
+    known: Option<Noise>,
     /// How many images there are.
     pub count: f64,
     /// Samples per pixel of each.
@@ -83,9 +85,9 @@ pub(super) struct Estimate {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Noise {
     /// By how much the variance of tiles is larger than that of independent pixels, at least 1.
-    tiles: f64,
+    pub tiles: f64,
     /// The same of larger cells.
-    cells: f64,
+    pub cells: f64,
     /// Whether whole images go up and down together.
     pub together: bool,
 }
@@ -95,18 +97,29 @@ fn tile_of(size: usize) -> Vec<usize> {
     (0..FINE).flat_map(|at| std::iter::repeat_n(at, (at + 1) * size / FINE - at * size / FINE)).collect()
 }
 
+/// The tile of each pixel.
+fn tiles_of(moments: &Moments) -> Vec<usize> {
+    let (columns, rows) = (tile_of(moments.width), tile_of(moments.height));
+    rows.iter().flat_map(|row| columns.iter().map(move |column| row * FINE + column)).collect()
+}
+
+/// The sums of each tile.
+fn sums_of(moments: &Moments, mask: &[bool]) -> Vec<Sums> {
+    let mut tiles = vec![Sums::default(); FINE * FINE];
+    for (at, tile) in tiles_of(moments).into_iter().enumerate().filter(|(at, _)| !mask[*at]) {
+        let variance = moments.variance(at);
+        let (cubes, event) = moments.extremes(at);
+        let squares = [0, 1, 2].map(|c: usize| variance[c] * variance[c]);
+        tiles[tile].add(&Sums { pixels: 1.0, mean: moments.mean(at), variance, squares, cubes, event });
+    }
+    tiles
+}
+
 impl Side {
     /// Takes the statistics of images of one size; `samples` are those of one image, and pixels in the `mask` are left out.
     pub fn of(moments: &Moments, images: Images<'_>, mask: &[bool], samples: f64) -> Result<Self, CompareError> {
-        let (columns, rows) = (tile_of(moments.width), tile_of(moments.height));
-        let tile = |at: usize| rows[at / moments.width] * FINE + columns[at % moments.width];
-        let mut tiles = vec![Sums::default(); FINE * FINE];
-        for at in (0..mask.len()).filter(|at| !mask[*at]) {
-            let variance = moments.variance(at);
-            let (cubes, event) = moments.extremes(at);
-            let squares = [0, 1, 2].map(|c: usize| variance[c] * variance[c]);
-            tiles[tile(at)].add(&Sums { pixels: 1.0, mean: moments.mean(at), variance, squares, cubes, event });
-        }
+        let tile = tiles_of(moments);
+        let tiles = sums_of(moments, mask);
         let count = images.count();
         let mut sums = Vec::with_capacity(count);
         // One image tells nothing of its noise.
@@ -115,12 +128,18 @@ impl Side {
             let mut of = vec![[0.0; PARTS]; FINE * FINE];
             for at in (0..mask.len()).filter(|at| !mask[*at]) {
                 let [r, g, b] = image.pixels[at].map(f64::from);
-                let sum = &mut of[tile(at)];
+                let sum = &mut of[tile[at]];
                 [r, g, b, (r + g + b) / 3.0].into_iter().zip(sum).for_each(|(value, sum)| *sum += value);
             }
             sums.push(of);
         }
-        Ok(Self { tiles, images: sums, count: count as f64, samples })
+        Ok(Self { tiles, images: sums, known: None, count: count as f64, samples })
+    }
+
+    /// The same of images that are no longer there, of which it is known how their errors hang together.
+    pub fn of_moments(moments: &Moments, mask: &[bool], samples: f64, noise: Noise) -> Self {
+        let count = moments.count() as f64;
+        Self { tiles: sums_of(moments, mask), images: Vec::new(), known: Some(noise), count, samples }
     }
 
     /// Whether there is one image only, which is taken to be free of noise.
@@ -140,13 +159,13 @@ impl Side {
     }
 
     /// The variance of a cell's mean, as independent pixels have it (`part` 3 is grey).
-    fn by_pixels(&self, cell: Place, part: usize) -> f64 {
+    pub fn by_pixels(&self, cell: Place, part: usize) -> f64 {
         let sums = self.sums(cell);
         sums.variance[part] / (self.count * sums.pixels * sums.pixels)
     }
 
     /// The same as the means of the images have it.
-    fn by_images(&self, cell: Place, part: usize) -> f64 {
+    pub fn by_images(&self, cell: Place, part: usize) -> f64 {
         let size = self.size(cell);
         let of = |image: &Vec<[f64; PARTS]>| cell.tiles().map(|tile| image[tile][part]).sum::<f64>() / size;
         let means: Vec<f64> = self.images.iter().map(of).collect();
@@ -165,6 +184,9 @@ impl Side {
             let ratios: Vec<f64> = ratios.collect();
             if ratios.is_empty() { 1.0 } else { ratios.iter().sum::<f64>() / ratios.len() as f64 }
         };
+        if let Some(known) = self.known {
+            return known;
+        }
         if self.is_exact() {
             return Noise { tiles: 1.0, cells: 1.0, together: false };
         }

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{CompareError, Outcome, Rendered, Tolerance, Verdict, judge_in};
+use super::{CompareError, Outcome, Tolerance, Verdict};
 
 /// By how much a target says that it may be off for a scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,18 +25,16 @@ const MOST_STATED: f64 = 0.1;
 /// # Errors
 /// As of [`judge_in`].
 pub fn judge_stated(
-    a: Rendered<'_>,
-    b: Rendered<'_>,
+    judge: impl Fn(Tolerance) -> Result<Verdict, CompareError>,
     tolerance: Tolerance,
     more: f64,
-    fine: usize,
 ) -> Result<(Verdict, bool), CompareError> {
     let within = |more: f64| Tolerance { tiles: tolerance.tiles + more, whole: tolerance.whole + more };
-    let verdict = judge_in(a, b, within(more.min(MOST_STATED)), fine)?;
+    let verdict = judge(within(more.min(MOST_STATED)))?;
     if more <= MOST_STATED || verdict.outcome != Outcome::Differ {
         return Ok((verdict, false));
     }
-    let wide = judge_in(a, b, within(more), fine)?;
+    let wide = judge(within(more))?;
     if wide.outcome == Outcome::Differ {
         return Ok((wide, false));
     }
@@ -45,7 +43,7 @@ pub fn judge_stated(
 
 #[cfg(test)]
 mod tests {
-    use super::super::Outcome;
+    use super::super::{Outcome, Rendered, judge};
     use super::*;
     use crate::compare::Images;
     use ltsc_render::image::Image;
@@ -56,8 +54,12 @@ mod tests {
         let of = |ratio: f32, more: f64| {
             let (a, b) = (flat(1.0), flat(ratio));
             let side = |images| Rendered { images: Images::Held(images), samples: 16.0 };
-            let (verdict, excused) =
-                judge_stated(side(&a), side(&b), Tolerance { tiles: 0.05, whole: 0.01 }, more, 8).expect("a verdict");
+            let (verdict, excused) = judge_stated(
+                |tolerance| judge(side(&a), side(&b), tolerance),
+                Tolerance { tiles: 0.05, whole: 0.01 },
+                more,
+            )
+            .expect("a verdict");
             (verdict.outcome, excused)
         };
         assert_eq!(of(1.005, 0.0), (Outcome::Agree, false));

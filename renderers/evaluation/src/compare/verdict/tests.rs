@@ -21,7 +21,7 @@ impl Random {
 }
 
 /// Images of 32 x 32 pixels of radiance 1, 0.5 and 0.2, times `level` of the pixel and channel, with uniform noise of this width.
-fn noisy(count: usize, noise: f64, seed: u64, level: impl Fn(usize, usize) -> f64) -> Vec<Image> {
+pub(super) fn noisy(count: usize, noise: f64, seed: u64, level: impl Fn(usize, usize) -> f64) -> Vec<Image> {
     let mut random = Random::new(seed);
     let image = |_| {
         let pixel = |at: usize, random: &mut Random| {
@@ -33,7 +33,7 @@ fn noisy(count: usize, noise: f64, seed: u64, level: impl Fn(usize, usize) -> f6
     (0..count).map(image).collect()
 }
 
-fn even(count: usize, noise: f64, seed: u64) -> Vec<Image> {
+pub(super) fn even(count: usize, noise: f64, seed: u64) -> Vec<Image> {
     noisy(count, noise, seed, |_, _| 1.0)
 }
 
