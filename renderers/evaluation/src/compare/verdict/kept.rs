@@ -206,7 +206,7 @@ mod tests {
         {
             let (a, b) = (even(16, 0.3, seed), noisy(8, 0.3, seed + 70, |at, _| if at % 32 < 8 { level } else { 1.0 }));
             let side = |images| Rendered { images: Images::Held(images), samples: 16.0 };
-            let known = super::super::judge(side(&a), side(&b), tolerance, 8).expect("a verdict");
+            let known = super::super::judge(side(&a), side(&b), tolerance).expect("a verdict");
             let (moments, error) = mean_error(Images::Held(&a)).expect("images");
             let (mean, variance) = (moments.mean_image(), moments.variance_image());
             let kept = Kept {
