@@ -11,7 +11,7 @@ use super::shown::luminances;
 /// Pixels from a window's middle to its sides.
 const REACH: usize = 2;
 
-/// What keeps quotients of small numbers steady: `(0.01 L)^2` and `(0.03 L)^2` (Wang et al. 2004, section III-B), the range `L` being 1.
+/// What keeps quotients of small numbers steady: `(0.01 L)^2` and `(0.03 L)^2` (Wang et al. 2004, from memory), the range `L` being 1.
 const STEADY: [f64; 2] = [1e-4, 9e-4];
 
 /// Sums over pixels: how many, of both images, of their squares, of their products.

@@ -14,8 +14,8 @@ const TO_RGB: [[f32; 3]; 3] = [
     [0.052_873_9, -0.203_977, 1.151_103],
 ];
 
-/// The exponent of color differences, and the share of the largest one that is perceived as 0.95 of it (Andersson et al. 2020,
-/// section 4.1: q_c, p_c and p_t).
+/// The exponent of color differences, and the share of the largest one that is perceived as 0.95 of it (Andersson et al. 2020:
+/// q_c, p_c and p_t).
 const COLOR_EXPONENT: f32 = 0.7;
 const BREAK: f32 = 0.4;
 const BREAK_VALUE: f32 = 0.95;
@@ -39,7 +39,7 @@ pub(super) fn opponent(rgb: [f32; 3]) -> [f32; 3] {
 }
 
 /// CIELAB of an opponent color that is brought back into the cube of colors, a and b adjusted as Hunt found: less of them is seen
-/// where it is dark (Andersson et al. 2020, section 4.1).
+/// where it is dark (Andersson et al. 2020).
 #[inline]
 pub(super) fn perceived([y, red, blue]: [f32; 3]) -> [f32; 3] {
     let [r, g, b] = times(&TO_RGB, [y + red, y, y - blue]);

@@ -3,11 +3,10 @@
 use super::color::luminance;
 
 /// Narkowicz's fit of ACES, `(a x^2 + b x) / (c x^2 + d x + e)`, with 0.6 times the exposure, which his fit leaves out (Narkowicz 2016;
-/// Andersson et al. 2021, section 3.3).
+/// Andersson et al. 2021).
 const ACES: [f64; 5] = [2.51 * 0.36, 0.03 * 0.6, 2.43 * 0.36, 0.59 * 0.6, 0.14];
 
-/// The tone-mapped value that the brightest pixel has at the first exposure, and the median at the last (Andersson et al. 2021,
-/// section 3.2).
+/// The tone-mapped value that the brightest pixel has at the first exposure, and the median at the last (Andersson et al. 2021).
 const TARGET: f64 = 0.85;
 
 /// The most exposures. They lie one stop or less apart up to that, farther beyond: a range of 63 stops holds no picture, and without a

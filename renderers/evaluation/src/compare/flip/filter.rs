@@ -3,17 +3,17 @@
 use std::array::from_fn;
 
 /// Pixels per degree of visual angle where a display of 3840 pixels and 0.7 m is seen from 0.7 m: FLIP's default (Andersson et al.
-/// 2020, section 4.1; the value itself, 67, is that of NVIDIA's `flip-evaluator` 1.7).
+/// 2020; `flip-evaluator` 1.7 says 67.02064).
 pub(super) const PIXELS_PER_DEGREE: f64 = 0.7 * (3840.0 / 0.7) * std::f64::consts::PI / 180.0;
 
 /// Sums of Gaussians `a sqrt(pi / b) exp(-pi^2 d^2 / b)` over degrees `d`, pairs `(a, b)`: the contrast sensitivity of the eye to
-/// luminance, red against green, and blue against yellow (Andersson et al. 2020, table 1; after Johnson and Fairchild 2003). The
+/// luminance, red against green, and blue against yellow (Andersson et al. 2020, after Johnson and Fairchild 2003). The
 /// second summands of the first two have the factor 0.
 const LUMINANCE: (f64, f64) = (1.0, 0.0047);
 const RED_GREEN: (f64, f64) = (1.0, 0.0053);
 const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
 
-/// Degrees from the middle of one edge to that of the next where features are seen best (Andersson et al. 2020, section 4.2).
+/// Degrees from the middle of one edge to that of the next where features are seen best (Andersson et al. 2020).
 const FEATURE: f64 = 0.082;
 
 /// Pixels around a pixel that count for it: three standard deviations of the widest filter.
@@ -94,7 +94,7 @@ fn unit(taps: Vec<f64>) -> Vec<f64> {
     taps.into_iter().map(|tap| tap / sum).collect()
 }
 
-/// Positive weights that add up to 1, and negative ones that add up to -1 (Andersson et al. 2020, section 4.2).
+/// Positive weights that add up to 1, and negative ones that add up to -1 (Andersson et al. 2020).
 fn balanced(taps: impl Iterator<Item = f64>) -> Vec<f64> {
     let taps: Vec<f64> = taps.collect();
     let above: f64 = taps.iter().filter(|tap| **tap > 0.0).sum();

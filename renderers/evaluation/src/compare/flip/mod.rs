@@ -2,7 +2,8 @@
 //! Fairchild, "FLIP: A Difference Evaluator for Alternating Images", 2020; and for radiance its maximum over exposures, Andersson,
 //! Nilsson, Shirley, Akenine-Möller, "Visualizing Errors in Rendered High Dynamic Range Images", 2021.
 //!
-//! Written from the papers, and held against NVIDIA's `flip-evaluator` 1.7 (docs/metrics.md has the numbers). Images are worked on in
+//! Our own code. Its formulas and constants are those of the papers from memory; that they are the right ones is shown by NVIDIA's
+//! `flip-evaluator` 1.7, whose numbers it has (docs/metrics.md, and tests below). Images are worked on in
 //! tiles, each with the pixels around it that its filters reach; beyond its border an image goes on as it ends.
 
 mod color;

@@ -57,6 +57,23 @@ fn ldr_has_the_numbers_of_the_oracle() {
 }
 
 #[test]
+fn even_colors_have_the_numbers_of_the_oracle() {
+    let (red, green, blue, white) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0; 3]);
+    let wanted = [
+        (red, blue, 0.965_082),
+        (green, blue, 1.0),
+        ([0.0; 3], white, 0.967_390),
+        ([1.0, 1.0, 0.0], blue, 0.998_972),
+        ([0.0, 0.5, 0.0], [1.0, 0.0, 1.0], 0.980_217),
+        ([0.2; 3], [0.25, 0.2, 0.2], 0.153_734),
+    ];
+    for (a, b, wanted) in wanted {
+        let map = ldr(Colors { a: &[a; 12 * 9], b: &[b; 12 * 9], width: 12 });
+        assert!(map.iter().all(|value| (f64::from(*value) - wanted).abs() < 5e-5), "{a:?}, {b:?}: {:?}", map[0]);
+    }
+}
+
+#[test]
 fn hdr_has_the_numbers_of_the_oracle() {
     // Width, height and levels; mean, last pixel; first and last exposure, and how many.
     let wanted = [
@@ -108,6 +125,10 @@ fn exposures_end_where_the_paper_says() {
     assert!((aces(64.0, exposures.start.exp2() as f32) - 0.85).abs() < 1e-5);
     assert!((aces(8.0, exposures.stop.exp2() as f32) - 0.85).abs() < 1e-5);
     assert_eq!(exposures.count, 3);
+    assert_eq!(
+        [aces(100.0, 1.0), aces(f32::MAX, f32::MAX), aces(0.0, f32::MAX), aces(-1.0, 1.0)],
+        [1.0, 1.0, 0.0, 0.0]
+    );
     let gains: Vec<f32> = exposures.gains().collect();
     assert!((gains[2] / gains[0] - 8.0).abs() < 1e-4 && gains.len() == 3);
 }
