@@ -398,7 +398,7 @@ fn a_reference_is_a_side_of_a_verdict() {
         };
         let images: Vec<Image> = (0..32).map(image).collect();
         let b = Rendered { images: Images::Held(&images), samples: 256.0 };
-        judge_kept(found.side(), b, Tolerance { tiles: 0.1, whole: 0.02 }).expect("a verdict").outcome
+        judge_kept(found.side(), b, Tolerance { tiles: 0.1, whole: 0.02 }, 8).expect("a verdict").outcome
     };
     assert_eq!((judged(1.0), judged(1.3)), (Outcome::Agree, Outcome::Differ));
 }

@@ -149,6 +149,7 @@ fn a_cluster_renders_what_this_machine_renders_and_survives_what_is_killed() {
     always_failing(&cluster);
     taken_over(&cluster.stage(), 2);
     the_same_pixels(&cluster);
+    the_same_evaluation(&cluster);
 }
 
 /// One element is cancelled, and the ltsc of another one is killed: both are submitted again.
@@ -252,5 +253,51 @@ fn the_same_pixels(cluster: &Cluster) {
         Chunks::of(store, &job, plan, 0).and_then(|chunks| chunks.combined()).expect("a mean")
     };
     assert!(combined(&here) == combined(&there));
+    stage.is_tidy();
+}
+
+/// An evaluation on this machine and on the cluster, where a task is ended from outside: equal bytes.
+fn the_same_evaluation(cluster: &Cluster) {
+    let Some(python) = python("mitsuba-3") else {
+        return skip("an evaluation on slurm", "`ltsc renderers install mitsuba-3`");
+    };
+    let stage = cluster.stage();
+    let text = format!(
+        "scenes = [\"{}\"]\nsettings = {{ samples = 16, size = [16, 16] }}\n[renderers.m]\ntarget = \"mitsuba-3\"\npath = \"{}\"\n\
+         threads = 1\n[[case]]\nname = \"a\"\nrenderer = \"m\"\n[[case]]\nname = \"b\"\nrenderer = \"m\"\nsettings = {{ seed = 50 }}\n",
+        root().join("scenes-src/cbox_classic.lts").display(),
+        python.display()
+    );
+    fs::write(stage.at("study.toml"), text).expect("an evaluation");
+    let path = std::env::join_paths(
+        std::iter::once(stage.at("bin")).chain(std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default())),
+    );
+    let path = path.expect("a path");
+    let eval = |words: &[&str]| {
+        let mut command = super::super::ltsc();
+        command.current_dir(stage.at("")).env("PATH", &path).env("LTSC_CACHE", stage.at("cache"));
+        command.env("LTSC_TRUST", stage.at("")).args(["eval", "study.toml"]).args(words);
+        super::super::run(&mut command)
+    };
+    let here = eval(&["-o", "here"]);
+    assert!(matches!(here.code, Some(0 | 1)), "{}{}", here.out, here.err);
+    let shared = stage.at("shared").display().to_string();
+    let there = std::thread::scope(|scope| {
+        let running = || cluster.client("squeue", &["--noheader", "--array", "--states=RUNNING", "--format=%F_%K"]);
+        let ender = scope.spawn(move || {
+            until("a task runs", || running().is_some_and(|list| !list.is_empty()));
+            let list = running().unwrap_or_default();
+            list.lines().next().and_then(|task| cluster.client("scancel", &[task]))
+        });
+        let ran = eval(&["-o", "there", "--executor", "slurm", "--shared", &shared, "--option=--partition=all"]);
+        ender.join().expect("ended");
+        ran
+    });
+    assert_eq!(there.code, here.code, "{}{}", there.out, there.err);
+    assert_eq!(there.out, here.out);
+    for name in ["results.json", "comparisons.csv", "scenes/cbox_classic/a.exr", "scenes/cbox_classic/b.exr"] {
+        let [one, other] = ["here", "there"].map(|folder| fs::read(stage.at(folder).join(name)).expect("a file"));
+        assert!(one == other, "{name}");
+    }
     stage.is_tidy();
 }
