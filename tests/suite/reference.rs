@@ -180,6 +180,10 @@ fn a_renderer_that_fails_on_its_way_leaves_what_was_good() {
     assert_eq!(ran.code, Some(4), "{}", ran.err);
     assert!(ran.err.contains("it fails") && ran.err.contains("written"), "{}", ran.err);
     assert_eq!((stage.calls(), stage.listed()["about"]["images"].as_u64()), (11, Some(10)));
+    let ran = run(&mut stage.render(&["--format", "json"]));
+    let document: Value = serde_json::from_str(&ran.out).expect("one document");
+    let message = document["error"]["message"].as_str().expect("a message");
+    assert!(ran.code == Some(4) && message.contains("it fails") && document["chunks"] == 10, "{}", ran.out);
 }
 
 #[test]

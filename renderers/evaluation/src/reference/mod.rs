@@ -120,6 +120,12 @@ impl Found {
     }
 }
 
+/// The file that [`find`] reads, if it is there.
+#[must_use]
+pub fn file_of(references: &Path, scene: &str, name: &str) -> Option<PathBuf> {
+    names(name).iter().map(|name| path(references, scene, name)).find(|file| file.is_file())
+}
+
 /// The reference of a scene for a renderer or a target, if there is one; of a target that of the first renderer that reads its files, in
 /// the order in which they are listed. `scene` is as it is now, with the depth of paths that is compared; size, algorithm and samples do not
 /// matter.
@@ -127,16 +133,10 @@ impl Found {
 /// # Errors
 /// If a file is damaged or of other origin.
 pub fn find(references: &Path, scene: &Valid, choices: &Choices, name: &str) -> Result<Option<Found>, Failure> {
-    for name in names(name) {
-        let file = path(references, &scene.name, &name);
-        if !file.is_file() {
-            continue;
-        }
-        let Some((image, variance, about)) = store::decode(&file)? else { return Err(foreign(&file)) };
-        let stale = staleness(&about, scene, choices)?;
-        return Ok(Some(Found { file, image, variance, about, stale }));
-    }
-    Ok(None)
+    let Some(file) = file_of(references, &scene.name, name) else { return Ok(None) };
+    let Some((image, variance, about)) = store::decode(&file)? else { return Err(foreign(&file)) };
+    let stale = staleness(&about, scene, choices)?;
+    Ok(Some(Found { file, image, variance, about, stale }))
 }
 
 /// The names under which a reference for a renderer or target may be kept, the nearest first.
