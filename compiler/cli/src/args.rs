@@ -234,7 +234,7 @@ pub enum Command {
     Renderers(Renderers),
     /// Show what the user's cache holds, and remove what is old: renderings in chunks, and installations.
     ///
-    /// Images that `eval`, and `render` with many samples, take apart into chunks are kept there by what was rendered, so that nothing is
+    /// Images that `eval` and `reference`, and `render` with many samples, take apart into chunks are kept there by what was rendered, so that nothing is
     /// rendered twice. All of it can be made again. The folder is $LTSC_CACHE, else the cache folder of the user.
     #[command(
         after_help = "Examples:\n  ltsc cache\n  ltsc cache prune --days 30\n  ltsc cache prune --days 0   (all chunks)"

@@ -146,16 +146,10 @@ pub fn file_of(references: &Path, scene: &str, name: &str) -> Option<PathBuf> {
 /// # Errors
 /// If a file is damaged or of other origin.
 pub fn find(references: &Path, scene: &Valid, choices: &Choices, name: &str) -> Result<Option<Found>, Failure> {
-    for name in names(name) {
-        let file = path(references, &scene.name, &name);
-        if !file.is_file() {
-            continue;
-        }
-        let Some((image, variance, about)) = store::decode(&file)? else { return Err(foreign(&file)) };
-        let stale = staleness(&about, scene, choices)?;
-        return Ok(Some(Found { file, image, variance, about, stale }));
-    }
-    Ok(None)
+    let Some(file) = file_of(references, &scene.name, name) else { return Ok(None) };
+    let Some((image, variance, about)) = store::decode(&file)? else { return Err(foreign(&file)) };
+    let stale = staleness(&about, scene, choices)?;
+    Ok(Some(Found { file, image, variance, about, stale }))
 }
 
 /// The names under which a reference for a renderer or target may be kept, the nearest first.
