@@ -33,6 +33,7 @@ pub(super) const ROW: Driver = Driver {
     ],
     wavelengths: None,
     seeds: super::Seeds::Free,
+    least_samples: 1,
     failures: &[],
     hints: &[
         (

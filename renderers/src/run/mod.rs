@@ -95,6 +95,9 @@ pub struct Driver {
     pub wavelengths: Option<[f64; 4]>,
     /// Whether it renders independent images of one scene.
     pub seeds: Seeds,
+    /// The fewest samples per pixel with which images of different seeds have no error in common that counts; with fewer, their scatter
+    /// does not tell it, and their mean keeps it.
+    pub least_samples: u32,
     /// Texts of lines that tell that it has failed, for programs that end with code 0 all the same.
     pub failures: &'static [&'static str],
     /// Texts of the log that tell a known cause, each with what to do about it.

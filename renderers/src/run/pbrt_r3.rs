@@ -29,6 +29,7 @@ pub(super) const ROW: Driver = Driver {
     ],
     wavelengths: None,
     seeds: super::Seeds::Costly,
+    least_samples: 1,
     failures: &[" ERROR] "],
     hints: pbrt::PORT_HINTS,
     probe: |asked| pbrt::port(asked, "pbrt-r3"),

@@ -34,6 +34,7 @@ pub(super) const ROW: Driver = Driver {
     ],
     wavelengths: Some(pbrt::FOUR_WAVELENGTHS),
     seeds: super::Seeds::Free,
+    least_samples: 1,
     failures: &[" ERROR] "],
     hints: pbrt::PORT_HINTS,
     probe: |asked| pbrt::port(asked, "pbrt-r4"),

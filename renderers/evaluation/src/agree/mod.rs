@@ -89,6 +89,11 @@ impl Study<'_> {
                 watch.note(&format!("{}: {name} lacks `{word}`: left out", scene.name));
                 continue;
             }
+            if self.samples < driver.least_samples {
+                let (name, least) = (driver.name, driver.least_samples);
+                watch
+                    .note(&format!("{name}: images of fewer than {least} samples have an error in common that counts"));
+            }
             made.push(self.images(scene, &runner, watch)?);
         }
         let mut rows = Vec::new();

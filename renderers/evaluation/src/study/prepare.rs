@@ -12,6 +12,7 @@ use ltsc_core::formats::statements::{Parameter, Statement, Statements};
 use ltsc_core::ledger::Ledger;
 use ltsc_core::pipeline;
 use ltsc_core::valid::Valid;
+use ltsc_render::run::Driver;
 use rayon::prelude::*;
 
 use crate::chunk::Plan;
@@ -202,7 +203,8 @@ fn ready<'r>(
         return None;
     };
     let total = scene.sampler.samples();
-    let mut plan = plan(variant.chunks, u64::from(total));
+    let driver = runner.driver;
+    let mut plan = plan(driver, variant.chunks, u64::from(total));
     let mut scene = match pipeline::take_statements(scene, target, &given) {
         Ok((scene, remarks)) => {
             findings.extend(remarks);
@@ -224,7 +226,7 @@ fn ready<'r>(
     let said = own.as_ref().and_then(|job| job.effective()?.samples).filter(|said| *said != total);
     let job = match (own, said) {
         (Some(job), Some(said)) => {
-            plan = self::plan(variant.chunks, u64::from(said));
+            plan = self::plan(driver, variant.chunks, u64::from(said));
             job
         }
         _ => {
@@ -240,17 +242,42 @@ fn ready<'r>(
             format!("{} samples are rendered as {count} chunks of {of}: {} in all", samples.value, plan.total());
         findings.push(Finding::warn("evaluation-chunks", samples.span, message));
     }
-    let stated = stated(&scene, runner.driver);
+    few(driver, &label, variant, plan, findings);
+    let stated = stated(&scene, driver);
     let wrong = findings[before..].iter().any(|finding| finding.severity >= Severity::Deny);
     (!wrong).then_some((job, Ready { job: 0, plan, first_seed, seeded, stated }))
 }
 
 /// How samples are divided: into as many chunks as are asked for, or into chunks whose size depends on the samples alone, so that more
 /// samples need only the rest.
-fn plan(chunks: Option<u32>, samples: u64) -> Plan {
-    let Some(chunks) = chunks else { return Plan::of(samples) };
+fn plan(driver: &Driver, chunks: Option<u32>, samples: u64) -> Plan {
+    let Some(chunks) = chunks else { return Plan::for_driver(driver, samples) };
     let size = samples.div_ceil(u64::from(chunks.max(1))).max(1);
     Plan::with(samples, u32::try_from(size).unwrap_or(u32::MAX))
+}
+
+/// Says where chunks are too few, or too small.
+fn few(driver: &Driver, label: &str, variant: &Variant, plan: Plan, findings: &mut Vec<Finding>) {
+    let least = driver.least_samples;
+    let place = variant.settings.samples.map_or(variant.span, |samples| samples.span);
+    if plan.count > 1 && plan.samples < least {
+        let message =
+            format!("images of {} have an error in common with chunks of {} samples", driver.name, plan.samples);
+        let finding = Finding::warn("evaluation-chunks", place, message);
+        findings.push(
+            finding
+                .note("their scatter does not tell it, so that a verdict may take it for a difference")
+                .help(format!("ask for {least} samples for each chunk at least, or leave `chunks` out")),
+        );
+    } else if plan.count < LEAST_CHUNKS && least > 1 && variant.chunks.is_none() {
+        let message = format!("{} samples of the case `{label}` are too few for a verdict", plan.total());
+        let finding = Finding::warn("evaluation-chunks", place, message);
+        findings.push(finding.help(format!(
+            "a verdict takes {LEAST_CHUNKS} chunks, of {least} samples each in {}: {} samples",
+            driver.name,
+            LEAST_CHUNKS * least
+        )));
+    }
 }
 
 /// Whether the renderer renders independent images of the job; where it has one only, the plan becomes that one. None where it renders
@@ -300,11 +327,16 @@ mod tests {
 
     #[test]
     fn samples_are_divided_as_asked_or_so_that_more_need_only_the_rest() {
-        let of = |chunks, samples| (plan(chunks, samples).samples, plan(chunks, samples).count);
+        let driver = |name| ltsc_render::run::driver(name).expect("a driver");
+        let mitsuba = driver("mitsuba-3");
+        let of = |chunks, samples| (plan(mitsuba, chunks, samples).samples, plan(mitsuba, chunks, samples).count);
         assert_eq!(of(Some(4), 64), (16, 4));
         assert_eq!(of(Some(8), 100), (13, 8));
         assert_eq!(of(Some(8), 3), (1, 3));
         assert_eq!(of(None, 64), (8, 8));
         assert_eq!((of(None, 512), of(None, 1024)), ((64, 8), (64, 16)));
+        // Cycles has few independent images of few samples.
+        let cycles = plan(driver("cycles"), None, 256);
+        assert_eq!((cycles.samples, cycles.count), (64, 4));
     }
 }
