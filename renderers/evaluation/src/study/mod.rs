@@ -49,6 +49,8 @@ pub struct Done {
 pub struct Study<'a> {
     /// The evaluation.
     pub evaluation: &'a Evaluation,
+    /// Its scenes, in the order of [`Evaluation::conditions`].
+    pub conditions: &'a [Loaded],
     /// The text of its file.
     pub text: &'a str,
     /// The folder of its file, from which paths in it are seen.

@@ -7,6 +7,7 @@ use ltsc_core::formats::effective::Effective;
 use ltsc_core::ir::Filter;
 use serde::{Deserialize, Serialize};
 
+use crate::compare::blame::Blame;
 use crate::compare::verdict::{Outcome, Stated, Verdict};
 use crate::compare::{Measure, Shift};
 
@@ -172,6 +173,9 @@ pub struct Pair {
     pub verdict: Option<Verdict>,
     /// Why there is no verdict.
     pub refused: Option<String>,
+    /// On what the difference lies, the largest part first; empty where noise may have made it, or nothing differs.
+    #[serde(default)]
+    pub blame: Vec<Blame>,
     /// One entry for each metric.
     pub metrics: Vec<Measure>,
     /// The shift that moves B onto A.

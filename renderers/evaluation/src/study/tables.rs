@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::compare::METRICS;
+use crate::compare::blame::Blame;
 use crate::compare::verdict::{Outcome, Told};
 
 use super::results::{Condition, Pair, Results, Run, Status};
@@ -119,6 +120,7 @@ pub fn proof(pair: &Pair) -> Vec<String> {
         all.push(told.proof());
         all.push(format!("B / A {}", told.channels()));
         all.extend(told.notes());
+        all.extend(pair.blame.iter().map(Blame::text));
     }
     all.extend(pair.refused.iter().map(|why| format!("no verdict: {why}")));
     if !pair.unknown.is_empty() {

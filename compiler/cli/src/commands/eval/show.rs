@@ -136,6 +136,9 @@ fn text(results: &Results) -> String {
             for note in told.notes() {
                 let _written = writeln!(text, "        {note}");
             }
+            for blame in &pair.blame {
+                let _written = writeln!(text, "        {}", blame.text());
+            }
             if told.verdict.outcome != Outcome::Agree
                 && let Some(shift) = pair.shift.filter(|shift| (shift.dx, shift.dy) != (0, 0))
             {
