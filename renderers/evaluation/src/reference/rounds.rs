@@ -158,10 +158,10 @@ pub fn reach(store: &Store, job: &Job<'_>, goal: &Goal, watch: &mut dyn Watch) -
         }
         let made = mean(store, job, Plan { samples, count })?;
         let needed = goal.needed(count, &made.error);
-        let reached = goal.of(&made.error) <= goal.error && count >= least.min(wanted);
+        let reached = goal.of(&made.error) <= goal.error;
         if reached || failed.is_some() || over() {
             // A goal that is just missed takes one more.
-            let rest = needed.saturating_sub(u64::from(count)).max(u64::from(least.saturating_sub(count))).max(1);
+            let rest = needed.saturating_sub(u64::from(count)).max(1);
             let left = (!reached).then(|| left(rest));
             return Ok(Reached { count, samples, made: Some(made), left, failed });
         }
