@@ -184,7 +184,13 @@ fn pictures_of(scene: &str, made: &[Picture], folder: &Path) -> Result<Made, Fai
     let mut facts = Vec::new();
     for picture in made {
         let Picture { renderer, version, image, .. } = picture;
-        put(format!("{renderer} {version}"), renderer, image.width, image.height, &shown_rgb8(image, stops))?;
+        put(
+            format!("{renderer} {version}, {}", picture.algorithm),
+            renderer,
+            image.width,
+            image.height,
+            &shown_rgb8(image, stops),
+        )?;
         facts.push((renderer.clone(), picture.facts()));
     }
     facts.push(("exposure of the pictures".to_owned(), format!("{stops:+.1} stops")));
