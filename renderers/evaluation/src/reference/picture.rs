@@ -56,12 +56,15 @@ pub fn pictures(
     scene: &Valid,
     choices: &Choices,
     (width, height): (usize, usize),
+    watch: &mut dyn Watch,
 ) -> Result<Vec<Picture>, Failure> {
     let mut all = Vec::new();
     for driver in DRIVERS.iter().filter(|driver| path(references, &scene.name, driver.name).is_file()) {
-        let Some(found) = find(references, scene, choices, driver.name)?.filter(|found| found.stale.is_none()) else {
+        let Some(found) = find(references, scene, choices, driver.name)? else { continue };
+        if let Some(stale) = &found.stale {
+            watch.note(&format!("{}: the reference by {} is stale and not shown: {stale}", scene.name, driver.name));
             continue;
-        };
+        }
         let block = (found.image.width / width.max(1)).max(1);
         let Ok(found) = found.reduced(width, height) else { continue };
         let Origin::Rendered { renderer, version, .. } = &found.about.origin else { continue };

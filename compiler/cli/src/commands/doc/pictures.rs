@@ -64,7 +64,7 @@ pub fn render_all(command: &Doc, scenes: &Scenes<'_>, folder: &Path) -> Result<(
         let sized = reference::prepared(scene.clone(), Some(command.size), None, None)?;
         let size = (sized.film.width as usize, sized.film.height as usize);
         let references = reference::folder(&project.root);
-        let mut made = reference::pictures(&references, &scene, &project.choices, size)?;
+        let mut made = reference::pictures(&references, &scene, &project.choices, size, &mut Watcher::default())?;
         let kept = !made.is_empty();
         if kept {
             terminal::say(&format!("{name}: pictures of what is kept in {}", references.display()));
