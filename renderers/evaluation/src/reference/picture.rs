@@ -46,7 +46,8 @@ impl Picture {
     }
 }
 
-/// The references of a scene that ltsc has rendered, that are not stale, and that have a whole number of times as many pixels along each side, in the order in which
+/// The references of a scene that ltsc has rendered, that are not stale, and that have a whole number of times as many pixels along
+/// each side, in the order in which
 /// renderers are listed.
 ///
 /// # Errors
