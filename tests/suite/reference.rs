@@ -405,6 +405,7 @@ fn pictures_of_the_catalogue_are_those_of_references() {
         let size = if scene.is_some() { "16" } else { "32" };
         let ran = run(stage.ltsc(&["doc", "--render", "--size", size]).env("PATH", "/bin:/usr/bin"));
         assert!(ran.code == Some(0) && !ran.err.contains("pictures of what is kept"), "{}", ran.err);
+        assert_eq!(ran.err.contains("is stale and not shown"), scene.is_some(), "{}", ran.err);
     }
     assert_eq!(stage.calls(), calls);
 }

@@ -150,7 +150,8 @@ impl Wanted<'_> {
         Ok(kept)
     }
 
-    /// The same image in the place of this one, or what stands there else; what is neither stale nor an earlier version of this one is not to
+    /// The same image in the place of this one, or what stands there else; what is neither stale nor an earlier version of this
+    /// one is not to
     /// be written over but by force.
     fn there(&self, file: &Path, job: &Job<'_>, scene: &Valid) -> Result<(Option<About>, Option<String>), Failure> {
         if std::fs::symlink_metadata(file).is_err() {
