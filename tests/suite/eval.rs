@@ -461,3 +461,62 @@ fn a_configuration_of_lteval_becomes_an_evaluation_that_loads() {
     let ran = run(&mut stage.command(&["eval", "--from-lteval", "nothing.py"]));
     assert_eq!(ran.code, Some(3), "{}", ran.err);
 }
+
+#[test]
+fn images_made_by_hand_are_awaited_and_taken_when_they_are_there() {
+    let stage = Stage::new();
+    stage.evaluation(
+        &["even"],
+        "name = \"a\"\n[renderers.own]\ntarget = \"gltf\"\nmanual = true\n[[case]]\nname = \"even\"\nrenderer = \"even\"\n[[case]]\nname = \
+         \"own\"\nrenderer = \"own\"\n[compare]\ntiles = 1\ntolerance = 0.1\nmean_tolerance = 0.1",
+    );
+    let ran = stage.eval(&[]);
+    assert_eq!(ran.code, Some(0), "{}{}", ran.out, ran.err);
+    assert!(ran.err.contains("results/manual/a/one/own.exr"), "{}", ran.err);
+    let manual = stage.path("scenes/eval/results/manual/a/one");
+    assert!(manual.join("own/one.gltf").is_file(), "{:?}", files_below(&manual));
+    let status = || stage.results()["conditions"][0]["runs"][1]["status"].clone();
+    assert_eq!(status(), "awaited");
+    // One image has metrics, several have a verdict.
+    fs::copy(stage.path("even/9.exr"), manual.join("own.exr")).expect("copied");
+    assert_eq!(stage.eval(&[]).code, Some(0));
+    let pair = || stage.results()["conditions"][0]["pairs"][0].clone();
+    assert_eq!(status(), "done");
+    assert!(pair()["verdict"].is_null() && !pair()["metrics"].as_array().expect("metrics").is_empty());
+    for at in 1..5 {
+        fs::copy(stage.path(&format!("even/{}.exr", 9 + at)), manual.join(format!("own-{at}.exr"))).expect("copied");
+    }
+    assert_eq!(stage.eval(&[]).code, Some(0));
+    assert_eq!(pair()["verdict"]["outcome"], "agree", "{}", pair());
+    assert_eq!(stage.calls(), 8);
+}
+
+#[test]
+fn a_program_without_a_driver_is_called_by_its_command() {
+    let stage = Stage::new();
+    let body =
+        format!("#!/bin/sh\necho \"$@\" >> {0}/calls\ncp {0}/even/$3.exr \"$1\"\n", stage.folder.path().display());
+    fs::write(stage.path("scenes/eval/fork"), body).expect("a program");
+    fs::set_permissions(stage.path("scenes/eval/fork"), fs::Permissions::from_mode(0o755)).expect("rights");
+    let evaluation = |command: &str| {
+        stage.evaluation(
+            &[],
+            &format!(
+                "name = \"a\"\nchunks = 4\n[renderers.fork]\ntarget = \"gltf\"\npath = \"fork\"\noptions = [\"-q\"]\ncommand = \
+                 \"{command}\"\n[[case]]\nname = \"x\"\nrenderer = \"fork\"\n[[case]]\nname = \"y\"\nrenderer = \"fork\"\nsettings = {{ seed = 8 }}"
+            ),
+        );
+        stage.eval(&[])
+    };
+    let ran = evaluation("{exe} {out} {scene} {seed} {samples} {options}");
+    assert_eq!(ran.code, Some(0), "{}{}", ran.out, ran.err);
+    let calls = fs::read_to_string(stage.path("calls")).expect("calls");
+    assert_eq!(calls.lines().count(), 8);
+    assert!(calls.lines().all(|line| line.ends_with(" 4 -q") && line.contains("one.gltf")), "{calls}");
+    // Without a seed there is one image, and no verdict.
+    let ran = evaluation("{exe} {out} {scene} 3 {samples} {options}");
+    assert_eq!(ran.code, Some(0), "{}{}", ran.out, ran.err);
+    assert!(ran.err.contains("evaluation-seeds"), "{}", ran.err);
+    let pair = &stage.results()["conditions"][0]["pairs"][0];
+    assert!(pair["verdict"].is_null() && pair["refused"].as_str().is_some_and(|why| why.contains("noise")), "{pair}");
+}

@@ -140,6 +140,15 @@ impl Runner {
 }
 
 impl Runner {
+    /// Nothing that is run: files are written for it, and somebody else renders them.
+    #[must_use]
+    pub fn manual(driver: &'static Driver) -> Self {
+        let env = Env::of_process();
+        let found = Found { path: PathBuf::new(), version: String::new(), source: Source::Given };
+        let (cache, options) = (CachePaths::find(&env), Vec::new());
+        Self { driver, found, threads: None, timeout: None, env, cache, options, command: None, mark: None }
+    }
+
     /// A program that is called by a command: what is `given`, or found for the driver. It is not asked for its version; what tells one from
     /// another is the content of its file.
     ///

@@ -170,6 +170,7 @@ impl At<'_> {
             failure: None,
             image: None,
             files: None,
+            expected: None,
             width: job.size().0,
             height: job.size().1,
             samples: ready.plan.total(),
@@ -182,6 +183,13 @@ impl At<'_> {
             stated: ready.stated.clone(),
         };
         let fate = &self.fates[at];
+        if let Some(manual) = &ready.manual {
+            let shown = manual.image.strip_prefix(self.study.base).unwrap_or(&manual.image);
+            made.expected = Some(shown.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "/"));
+        }
+        if matches!(fate, Fate::Awaited) {
+            made.status = Status::Awaited;
+        }
         if let Fate::Failed(failure) = fate {
             made.status = Status::Failed;
             made.failure = Some(failure.message.clone());
@@ -209,7 +217,7 @@ impl At<'_> {
             made.image = Some(path);
             self.means.insert(at, (mean, variance));
         }
-        if !matches!(fate, Fate::Skipped) && self.folder.keeps(matches!(fate, Fate::Failed(_))) {
+        if !matches!(fate, Fate::Skipped | Fate::Awaited) && self.folder.keeps(matches!(fate, Fate::Failed(_))) {
             let below = format!("files/{condition}/{name}");
             copy(job, self.sink, &below).map_err(failed)?;
             made.files = Some(below);

@@ -4,8 +4,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use ltsc_core::capability::Support;
 use ltsc_core::capability::algorithm;
+use ltsc_core::capability::{Feature, Support};
 use ltsc_core::diag::{Finding, Origin, Severity};
 use ltsc_core::formats::Choices;
 use ltsc_core::formats::statements::{Parameter, Statement, Statements};
@@ -23,6 +23,7 @@ use crate::file::{Evaluation, LEAST_CHUNKS};
 use crate::job::{Job, Runner, Writing, stated, target_of};
 use crate::reference::of_file;
 
+use super::manual::Manual;
 use super::runners::Runners;
 
 /// The code of a finding that a case cannot be rendered.
@@ -50,6 +51,8 @@ pub struct Ready {
     pub seeded: bool,
     /// What the target states of the scene.
     pub stated: Vec<Stated>,
+    /// Where its files and images lie, if they are made by hand.
+    pub manual: Option<Manual>,
 }
 
 /// All runs of an evaluation.
@@ -75,7 +78,7 @@ pub fn prepare<'r>(
     let one = |run: &Run| {
         let runner = runners.get(evaluation.variant(*run).renderer)?;
         let mut findings = Vec::new();
-        let made = ready(evaluation, *run, &conditions[run.condition], runner, &mut findings);
+        let made = ready(evaluation, *run, &conditions[run.condition], runner, base, &mut findings);
         Some((made, findings))
     };
     let made: Vec<_> = evaluation.runs.par_iter().map(one).collect();
@@ -172,6 +175,7 @@ fn ready<'r>(
     run: Run,
     loaded: &Loaded,
     runner: &'r Runner,
+    base: &Path,
     findings: &mut Vec<Finding>,
 ) -> Option<(Job<'r>, Ready)> {
     let variant = evaluation.variant(run);
@@ -189,8 +193,11 @@ fn ready<'r>(
     };
     let (feature, _) = algorithm(&scene.integrator);
     let given = statements(variant);
-    // Statements may name another algorithm; files without any have the scene's.
-    if let (Support::Unsupported { why }, true) = ((target.supports)(feature), given.is_empty()) {
+    let silent = matches!((target.supports)(Feature::Path), Support::Unsupported { why: _ });
+    // Statements may name another algorithm; files without any have the scene's, or have no word for one.
+    if silent {
+        // What reads them has settings of its own.
+    } else if let (Support::Unsupported { why }, true) = ((target.supports)(feature), given.is_empty()) {
         let message = format!("`{}` has no {}, which `{}` asks for: {why}", target.name, feature.name(), asked.name);
         let finding = Finding::error(CANNOT, variant.span, message);
         findings.push(finding.help("say another integrator in the `settings` of the case, or leave the scene out"));
@@ -235,8 +242,17 @@ fn ready<'r>(
         }
     };
     let first_seed = variant.settings.seed.map_or(0, |seed| seed.value);
-    let seeded = seeded(&job, &label, variant, &mut plan, first_seed, findings)?;
-    if let Some(samples) = variant.settings.samples.filter(|samples| plan.total() != u64::from(samples.value)) {
+    let manual = evaluation.renderer(run).manual.then(|| Manual::of(evaluation, run, base));
+    let seeded = match &manual {
+        // The plan has what the files say; how many images there are is seen later.
+        Some(_) => {
+            plan = Plan::whole(plan.total());
+            false
+        }
+        None => seeded(&job, &label, variant, &mut plan, first_seed, findings)?,
+    };
+    let asked = variant.settings.samples.filter(|_| said.is_none());
+    if let Some(samples) = asked.filter(|samples| plan.total() != u64::from(samples.value)) {
         let Plan { samples: of, count } = plan;
         let message =
             format!("{} samples are rendered as {count} chunks of {of}: {} in all", samples.value, plan.total());
@@ -245,7 +261,7 @@ fn ready<'r>(
     few(driver, &label, variant, plan, findings);
     let stated = stated(&scene, driver);
     let wrong = findings[before..].iter().any(|finding| finding.severity >= Severity::Deny);
-    (!wrong).then_some((job, Ready { job: 0, plan, first_seed, seeded, stated }))
+    (!wrong).then_some((job, Ready { job: 0, plan, first_seed, seeded, stated, manual }))
 }
 
 /// How samples are divided: into as many chunks as are asked for, or into chunks whose size depends on the samples alone, so that more

@@ -58,6 +58,8 @@ pub enum Status {
     Failed,
     /// It was not rendered, because another one had failed.
     Skipped,
+    /// It is made by hand, and is not there yet.
+    Awaited,
 }
 
 /// An image.
@@ -86,6 +88,9 @@ pub struct Run {
     /// Where the files for the renderer are kept, of a case that failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub files: Option<String>,
+    /// The image that somebody is to make, as it is seen from the evaluation's file; its files lie in the folder of the same name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expected: Option<String>,
     /// Width in pixels.
     pub width: usize,
     /// Height in pixels.

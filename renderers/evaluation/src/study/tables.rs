@@ -69,6 +69,7 @@ fn remarks(run: &Run) -> Vec<String> {
             all.push(format!("**failed**: {why}"));
         }
         Status::Skipped => all.push("not rendered".to_owned()),
+        Status::Awaited => all.push(format!("awaited as `{}`", run.expected.as_deref().unwrap_or_default())),
     }
     if let Some(files) = &run.files {
         all.push(format!("its files are in `{files}`"));
@@ -189,6 +190,7 @@ pub(super) fn images(results: &Results, timing: &Timing) -> String {
             Status::Done => "done",
             Status::Failed => "failed",
             Status::Skipped => "skipped",
+            Status::Awaited => "awaited",
         };
         let parameters: Vec<String> =
             condition.parameters.iter().map(|(name, value)| format!("{name}={value}")).collect();

@@ -79,6 +79,15 @@ pub fn done(done: &Done, folder: &Folder, command: &Eval) -> Exit {
             terminal::help(&format!("the files that it was given are in {}", from_here(&folder.path.join(files))));
         }
     }
+    for (condition, run) in results.runs().filter(|(_, run)| run.status == Status::Awaited) {
+        let expected = run.expected.as_deref().unwrap_or_default();
+        terminal::say(&format!(
+            "{}: {} is made by hand: render what lies in {} to {expected}",
+            condition.name,
+            run.label,
+            expected.trim_end_matches(".exr")
+        ));
+    }
     let skipped = results.runs().filter(|(_, run)| run.status == Status::Skipped).count();
     if skipped > 0 {
         terminal::say(&format!("{skipped} images were not rendered; `--keep-going` goes on where one fails"));
@@ -94,7 +103,7 @@ pub fn done(done: &Done, folder: &Folder, command: &Eval) -> Exit {
 
 fn exit(results: &Results, require_agree: bool) -> Exit {
     let [_, differ, undecided, none] = results.outcomes();
-    if results.runs().any(|(_, run)| run.status != Status::Done) {
+    if results.runs().any(|(_, run)| matches!(run.status, Status::Failed | Status::Skipped)) {
         return Exit::Environment;
     }
     let no = differ > 0 || require_agree && undecided + none > 0;
