@@ -498,25 +498,65 @@ fn a_program_without_a_driver_is_called_by_its_command() {
         format!("#!/bin/sh\necho \"$@\" >> {0}/calls\ncp {0}/even/$3.exr \"$1\"\n", stage.folder.path().display());
     fs::write(stage.path("scenes/eval/fork"), body).expect("a program");
     fs::set_permissions(stage.path("scenes/eval/fork"), fs::Permissions::from_mode(0o755)).expect("rights");
-    let evaluation = |command: &str| {
+    let evaluation = |command: &str, seed: u32| {
         stage.evaluation(
             &[],
             &format!(
                 "name = \"a\"\nchunks = 4\n[renderers.fork]\ntarget = \"gltf\"\npath = \"fork\"\noptions = [\"-q\"]\ncommand = \
-                 \"{command}\"\n[[case]]\nname = \"x\"\nrenderer = \"fork\"\n[[case]]\nname = \"y\"\nrenderer = \"fork\"\nsettings = {{ seed = 8 }}"
+                 \"{command}\"\n[[case]]\nname = \"x\"\nrenderer = \"fork\"\n[[case]]\nname = \"y\"\nrenderer = \"fork\"\nsettings = {{ seed = {seed} }}"
             ),
         );
         stage.eval(&[])
     };
-    let ran = evaluation("{exe} {out} {scene} {seed} {samples} {options}");
+    let ran = evaluation("{exe} {out} {scene} {seed} {samples} {options}", 8);
     assert_eq!(ran.code, Some(0), "{}{}", ran.out, ran.err);
     let calls = fs::read_to_string(stage.path("calls")).expect("calls");
     assert_eq!(calls.lines().count(), 8);
     assert!(calls.lines().all(|line| line.ends_with(" 4 -q") && line.contains("one.gltf")), "{calls}");
     // Without a seed there is one image, and no verdict.
-    let ran = evaluation("{exe} {out} {scene} 3 {samples} {options}");
+    let ran = evaluation("{exe} {out} {scene} 3 {samples} {options}", 0);
     assert_eq!(ran.code, Some(0), "{}{}", ran.out, ran.err);
     assert!(ran.err.contains("evaluation-seeds"), "{}", ran.err);
     let pair = &stage.results()["conditions"][0]["pairs"][0];
     assert!(pair["verdict"].is_null() && pair["refused"].as_str().is_some_and(|why| why.contains("noise")), "{pair}");
+}
+
+/// On small file systems in memory, which only root may make.
+#[test]
+fn a_full_disk_ends_an_evaluation_and_the_next_one_goes_on() {
+    let stage = Stage::new();
+    stage.evaluation(&["even", "bright"], "name = \"a\"");
+    let undisturbed = run(stage
+        .command(&["eval", "scenes/eval/a.toml", "-o", "undisturbed"])
+        .env("LTSC_CACHE", stage.path("another cache")));
+    assert_eq!((undisturbed.code, stage.calls()), (Some(1), 16), "{}", undisturbed.err);
+    let mount = |options: &str, place: &Path| {
+        let mut command = Command::new("mount");
+        command.args(["-t", "tmpfs", "-o", options, "tmpfs"]).arg(place);
+        command.stderr(Stdio::null()).status().is_ok_and(|status| status.success())
+    };
+    let results = stage.path("scenes/eval/results");
+    for (place, size) in [(stage.path("cache"), "size=48k"), (results.clone(), "size=24k")] {
+        fs::create_dir_all(&place).expect("a folder");
+        if !cfg!(target_os = "linux") || !mount(size, &place) {
+            return super::skip("full disks", "the right to mount");
+        }
+        let ran = stage.eval(&[]);
+        // What is there is whole; more room, and it goes on.
+        let whole = !results.join("a").exists() || results.join("a/results.json").exists();
+        let grown = mount("remount,size=4m", &place);
+        let again = stage.eval(&[]);
+        let same = bytes(&results.join("a")) == bytes(&stage.path("undisturbed"));
+        let left = files_below(&results);
+        fs::remove_dir_all(results.join("a")).expect("removed");
+        let unmounted = Command::new("umount").arg(&place).status().is_ok_and(|status| status.success());
+        assert!(grown && unmounted);
+        assert_eq!(ran.code, Some(4), "{}{}", ran.out, ran.err);
+        assert!(ran.err.contains("space"), "{}", ran.err);
+        assert!(whole, "half a folder of results");
+        assert_eq!(again.code, Some(1), "{}", again.err);
+        assert!(same && left.iter().all(|file| file.starts_with("a/")), "{left:?}");
+    }
+    // Nothing was rendered twice but what did not find room.
+    assert!(stage.calls() <= 16 + 16 + 3, "{} calls", stage.calls());
 }
