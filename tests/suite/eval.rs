@@ -541,6 +541,7 @@ fn a_full_disk_ends_an_evaluation_and_the_next_one_goes_on() {
         if !cfg!(target_os = "linux") || !mount(size, &place) {
             return super::skip("full disks", "the right to mount");
         }
+        let before = stage.calls();
         let ran = stage.eval(&[]);
         // What is there is whole; more room, and it goes on.
         let whole = !results.join("a").exists() || results.join("a/results.json").exists();
@@ -555,8 +556,8 @@ fn a_full_disk_ends_an_evaluation_and_the_next_one_goes_on() {
         assert!(ran.err.contains("space"), "{}", ran.err);
         assert!(whole, "half a folder of results");
         assert_eq!(again.code, Some(1), "{}", again.err);
+        // Nothing was rendered twice but what did not find room.
+        assert!(stage.calls() - before <= 16 + 2, "{} calls", stage.calls() - before);
         assert!(same && left.iter().all(|file| file.starts_with("a/")), "{left:?}");
     }
-    // Nothing was rendered twice but what did not find room.
-    assert!(stage.calls() <= 16 + 16 + 3, "{} calls", stage.calls());
 }
