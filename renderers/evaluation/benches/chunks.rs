@@ -32,9 +32,8 @@ fn peak() -> u64 {
 }
 
 fn main() {
-    let number = |name: &str, default: usize| {
-        std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default)
-    };
+    let number =
+        |name: &str, default: usize| std::env::var(name).ok().and_then(|text| text.parse().ok()).unwrap_or(default);
     let (width, height, count) = (number("LTSC_WIDTH", 3840), number("LTSC_HEIGHT", 2160), number("LTSC_CHUNKS", 8));
     let folder = tempfile::tempdir().expect("a folder");
     let make = |side: u64| -> Vec<PathBuf> {
@@ -50,12 +49,20 @@ fn main() {
     let (a, b) = (make(1), make(2));
     let one_image = (width * height * 12) as f64;
     let bytes = one_image * count as f64;
-    println!("{count} chunks a side of {width} x {height}, {:.2} GB a side; an image is {:.0} MB", bytes / 1e9, one_image / 1e6);
+    println!(
+        "{count} chunks a side of {width} x {height}, {:.2} GB a side; an image is {:.0} MB",
+        bytes / 1e9,
+        one_image / 1e6
+    );
     let told = |what: &str, bytes: f64, run: &mut dyn FnMut()| {
         let start = Instant::now();
         run();
         let seconds = start.elapsed().as_secs_f64();
-        println!("{what:<44} {seconds:>8.2} s {:>8.2} GB/s   peak memory {:>6.1} images", bytes / seconds / 1e9, peak() as f64 / one_image);
+        println!(
+            "{what:<44} {seconds:>8.2} s {:>8.2} GB/s   peak memory {:>6.1} images",
+            bytes / seconds / 1e9,
+            peak() as f64 / one_image
+        );
     };
     let read = |files: &[PathBuf]| {
         files.iter().map(|file: &PathBuf| fs::read(file as &Path).map_or(0, |bytes| bytes.len())).sum::<usize>()

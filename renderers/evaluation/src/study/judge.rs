@@ -10,7 +10,8 @@ use ltsc_render::image::{Image, Provenance, layered_bytes, read, reduce};
 
 use crate::chunk::{Chunks, Machine, VARIANCE};
 use crate::compare::blame::{Blame, Noisy, blame};
-use crate::compare::verdict::{Kept, Outcome, Rendered, Stated, judge_in, judge_kept, judge_stated};
+use crate::compare::moments::Moments;
+use crate::compare::verdict::{Kept, Outcome, Rendered, Stated, judge_in, judge_kept, judge_moments, judge_stated};
 use crate::compare::{CompareOptions, compare};
 use crate::disk::{DiskSink, unwritable};
 use crate::failure::{Exit, Failure};
@@ -28,6 +29,9 @@ use super::{Done, Folder, Study, tables};
 
 /// The evaluation's file, in the results.
 const FILE: &str = "evaluation.toml";
+
+/// Bytes of moments that are kept between the comparisons of a condition; beyond, they are gathered again.
+const MOST_MOMENTS: usize = 1 << 30;
 
 /// One side of a comparison, as it is.
 enum Side<'s> {
@@ -60,6 +64,10 @@ struct At<'a> {
     folder: &'a Folder,
     /// Mean images with their variances, by run.
     means: BTreeMap<usize, (Image, Option<Image>)>,
+    /// Moments, by run, as far as memory allows.
+    moments: BTreeMap<usize, Moments>,
+    /// How many of them are kept.
+    kept: usize,
     /// What pixels see, of images of a size; made when it is asked for.
     seen: BTreeMap<(usize, usize), Option<Seen>>,
     /// Reference images by the file as it is written; the reason where one cannot be used.
@@ -89,6 +97,8 @@ pub(super) fn judge(
             sink: &mut sink,
             folder,
             means: BTreeMap::new(),
+            moments: BTreeMap::new(),
+            kept: 0,
             seen: BTreeMap::new(),
             references: BTreeMap::new(),
         };
@@ -208,7 +218,11 @@ impl At<'_> {
             made.noise = timing::noise(&moments);
             made.non_finite = mean.non_finite();
             let variance = (chunks.files.len() > 1).then(|| moments.variance_image());
-            drop(moments);
+            let bytes = 64 * mean.pixels.len().max(1);
+            if self.kept < MOST_MOMENTS / bytes {
+                self.kept += 1;
+                self.moments.insert(at, moments);
+            }
             let path = format!("scenes/{condition}/{name}.exr");
             let bytes = image_bytes(&self.folder.path.join(&path), &mean, variance.as_ref(), &made, job.scene())?;
             self.sink.file(&path, &mut |out| out.write_all(&bytes)).map_err(failed)?;
@@ -313,7 +327,15 @@ impl At<'_> {
             }
             Side::Rendered(a) => {
                 let a = Rendered { images: a.images(), samples: f64::from(a.samples) };
-                judge_stated(|within| judge_in(a, b, within, fine), evaluation.tolerance, more)
+                let kept = match &pair.a {
+                    model::Side::Run(at) => self.moments.get(at).zip(self.moments.get(&pair.b)),
+                    model::Side::File(_) => None,
+                };
+                let judge = |within| match kept {
+                    Some((of_a, of_b)) => judge_moments((a, of_a), (b, of_b), within, fine),
+                    None => judge_in(a, b, within, fine),
+                };
+                judge_stated(judge, evaluation.tolerance, more)
             }
             Side::Reference(a) => {
                 judge_stated(|within| judge_kept(a.kept(), b, within, fine), evaluation.tolerance, more)

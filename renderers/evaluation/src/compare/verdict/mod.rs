@@ -29,6 +29,8 @@ use side::{Estimate, Noise, Place, Side};
 /// Tiles along each side, and the coarser cuts. Any of them may be the finest one of a verdict; noise is always estimated on all.
 pub const GRIDS: [usize; 4] = [8, 4, 2, 1];
 
+const _: () = assert!(GRIDS[0] == super::moments::FINE, "sums are kept of the finest tiles");
+
 /// The chance that two equal renderers are told apart, over all tests of a comparison.
 const FALSE_ALARM: f64 = 0.005;
 
@@ -244,20 +246,36 @@ pub fn judge(a: Rendered<'_>, b: Rendered<'_>, tolerance: Tolerance) -> Result<V
 /// # Errors
 /// As of [`judge`].
 pub fn judge_in(a: Rendered<'_>, b: Rendered<'_>, tolerance: Tolerance, fine: usize) -> Result<Verdict, CompareError> {
-    let counts = (a.images.count(), b.images.count());
-    // One image of A is a reference without noise.
-    if counts.0 == 0 {
+    enough(a.images, b.images)?;
+    let moments = [a.images.moments()?, b.images.moments()?];
+    judge_moments((a, &moments[0]), (b, &moments[1]), tolerance, fine)
+}
+
+/// Refuses too few images. One image of A is a reference without noise.
+fn enough(a: Images<'_>, b: Images<'_>) -> Result<(), CompareError> {
+    let counts = [a.count(), b.count()];
+    if counts[0] == 0 {
         return Err(CompareError::Empty);
     }
-    if let Some(images) = [counts.0, counts.1]
-        .into_iter()
-        .enumerate()
-        .find_map(|(at, images)| (images < 3 && !(images == 1 && at == 0)).then_some(images))
-    {
-        return Err(CompareError::Few { images });
+    let few = |(at, images): (usize, usize)| (images < 3 && !(images == 1 && at == 0)).then_some(images);
+    match counts.into_iter().enumerate().find_map(few) {
+        Some(images) => Err(CompareError::Few { images }),
+        None => Ok(()),
     }
-    let moments = [a.images.moments()?, b.images.moments()?];
-    let [of_a, of_b] = &moments;
+}
+
+/// The same for images whose moments are known; the images are read only where pixels are left out.
+///
+/// # Errors
+/// As of [`judge`].
+pub fn judge_moments(
+    (a, of_a): (Rendered<'_>, &Moments),
+    (b, of_b): (Rendered<'_>, &Moments),
+    tolerance: Tolerance,
+    fine: usize,
+) -> Result<Verdict, CompareError> {
+    enough(a.images, b.images)?;
+    let counts = (a.images.count(), b.images.count());
     if (of_a.width, of_a.height) != (of_b.width, of_b.height) {
         return Err(CompareError::Size { a: (of_a.width, of_a.height), b: (of_b.width, of_b.height) });
     }
@@ -267,7 +285,6 @@ pub fn judge_in(a: Rendered<'_>, b: Rendered<'_>, tolerance: Tolerance, fine: us
         return Err(CompareError::Empty);
     }
     let sides = [Side::of(of_a, a.images, &mask, a.samples)?, Side::of(of_b, b.images, &mask, b.samples)?];
-    drop(moments);
     decided(&sides, (tolerance, fine), counts, masked)
 }
 
