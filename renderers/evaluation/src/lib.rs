@@ -8,6 +8,7 @@
 //! arguments and no terminal.
 
 pub mod agree;
+pub mod calibrate;
 pub mod chunk;
 pub mod command;
 pub mod compare;

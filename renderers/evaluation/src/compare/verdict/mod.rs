@@ -36,14 +36,14 @@ const FALSE_ALARM: f64 = 0.005;
 const ONE_SIDED: f64 = 1.644_854;
 
 /// Where a tile is darker than this share of the image, its tolerance is that of such a tile.
-const DARK: f64 = 0.1;
+pub(crate) const DARK: f64 = 0.1;
 
 /// A channel whose mean is below this share of the image's has its tolerance from the image's mean.
 const FAINT: f64 = 0.01;
 
 /// Pixels of the reference brighter than this many times its mean are left out: a light seen directly in a few pixels would
 /// otherwise make the mean (the pools of the lteval suite: six pixels change it by 41 %).
-const GLARE: f64 = 100.0;
+pub(crate) const GLARE: f64 = 100.0;
 
 /// The largest deviate that is told; without noise every difference has it.
 const CERTAIN: f64 = 1e3;
