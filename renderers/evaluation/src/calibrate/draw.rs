@@ -111,15 +111,12 @@ pub fn mean<'i>(images: impl Iterator<Item = &'i Image>) -> Image {
     sum.mean(size)
 }
 
+/// Sees a pair at a level, which is told by its place.
+pub type Each<'e> = dyn FnMut(usize, &[Image], &[Image]) + 'e;
+
 /// Draws a pair from one pool, as [`pair`] does, and lets it grow: `each` sees it with every number of chunks for an image in
 /// `levels`, which rise, and more of the same chunks each time. Nothing happens if there are too few chunks for the last level.
-pub fn growing(
-    random: &mut Random,
-    pool: &[Image],
-    images: usize,
-    levels: &[usize],
-    each: &mut dyn FnMut(usize, &[Image], &[Image]),
-) {
+pub fn growing(random: &mut Random, pool: &[Image], images: usize, levels: &[usize], each: &mut Each<'_>) {
     let most = levels.iter().copied().max().unwrap_or(0);
     let Some(first) = pool.first() else { return };
     let Some(picks) = random.pick(2 * images * most, pool.len()) else { return };

@@ -114,7 +114,7 @@ fn prepared(files: &dyn Files, path: &VPath, scene: &Scene) -> Result<Valid, Fai
     let checked =
         pipeline::check(files, &mut Sources::default(), path, &Options { overrides, levels, ..Options::default() });
     let made = checked.scene.filter(|_| checked.findings.iter().all(|finding| finding.severity != Severity::Error));
-    let valid = made.ok_or(checked.findings).and_then(|scene| pipeline::prepare(scene));
+    let valid = made.ok_or(checked.findings).and_then(pipeline::prepare);
     Ok(valid.map_err(|found| refused(scene, &found))?.0)
 }
 

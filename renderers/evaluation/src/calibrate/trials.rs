@@ -324,30 +324,26 @@ impl Pools<'_> {
                 counted.missing.push(format!("power of {} x {} chunks", one.images, one.chunks));
                 continue;
             }
-            let kinds: [(&str, fn(usize, f64) -> Plant); 3] = [
-                ("whole image", |_, factor| Plant::Whole(factor)),
-                ("green", |_, factor| Plant::Channel(1, factor)),
-                ("one tile", Plant::Tile),
-            ];
-            let all: Vec<(String, f64, fn(usize, f64) -> Plant)> = kinds
+            let all: Vec<Power> = [("whole image", WHOLE), ("green", GREEN), ("one tile", TILE)]
                 .into_iter()
                 .flat_map(|(what, plant)| {
-                    [0.02, 0.05].map(|share: f64| (format!("{what} +{:.0} %", 100.0 * share), share, plant))
+                    let named = |share: f64| format!("{what} +{:.0} %", 100.0 * share);
+                    [0.02, 0.05].map(|share| Power { what: named(share), share, plant })
                 })
                 .collect();
             let trial = |trial: u64| {
                 let mut random = self.random(&format!("power {}x{}", one.images, one.chunks), trial);
                 let tile = bright.get(random.below(bright.len())).copied().unwrap_or(0);
                 let Some((a, b)) = pair(&mut random, self.base, None, (one, one)) else { return Ok(Vec::new()) };
-                let of = |(_, share, plant): &(String, f64, fn(usize, f64) -> Plant)| {
-                    let other: Vec<Image> = b.iter().map(|image| plant(tile, 1.0 + share).on(image)).collect();
+                let of = |Power { what: _, share, plant }: &Power| {
+                    let other: Vec<Image> = b.iter().map(|image| plant(1.0 + share, tile, 1).on(image)).collect();
                     verdict((&a, &other), (one, one), SMALL).map(|(outcome, _)| outcome)
                 };
                 all.iter().map(of).collect::<Result<Vec<_>, Failure>>()
             };
             let trials = part(self.pairs, OTHER_SHARE);
             let outcomes = (0..trials).into_par_iter().map(trial).collect::<Result<Vec<_>, Failure>>()?;
-            for (at, (what, share, _)) in all.iter().enumerate() {
+            for (at, Power { what, share, plant: _ }) in all.iter().enumerate() {
                 let (test, distance) = (Test::Power, Some(Distance { share: *share, proved: *share }));
                 let kind = Kind { test, what, designs: (one, one), tolerance: SMALL, distance };
                 let of: Vec<Outcome> = outcomes.iter().filter_map(|all| all.get(at).copied()).collect();
@@ -358,20 +354,31 @@ impl Pools<'_> {
     }
 }
 
+/// What is planted, by a factor, in this tile or this channel.
+type Made = fn(f64, usize, usize) -> Plant;
+
+const TILE: Made = |factor, tile, _| Plant::Tile(tile, factor);
+const CHANNEL: Made = |factor, _, channel| Plant::Channel(channel, factor);
+const GREEN: Made = |factor, _, _| Plant::Channel(1, factor);
+const WHOLE: Made = |factor, _, _| Plant::Whole(factor);
+
+/// Something that is planted at the small tolerance, brighter by a share.
+struct Power {
+    what: String,
+    share: f64,
+    plant: Made,
+}
+
 /// Something that is planted where equals are likely to agree.
 struct Planted {
     what: String,
-    plant: fn(f64, usize, usize) -> Plant,
+    plant: Made,
     factor: f64,
     distance: Distance,
 }
 
 /// All of them, in tolerances; `shift` is how far a shift by one pixel is from the image.
 fn planted(tolerance: f64, shift: Distance) -> Vec<Planted> {
-    type Made = fn(f64, usize, usize) -> Plant;
-    let tile: Made = |factor, tile, _| Plant::Tile(tile, factor);
-    let channel: Made = |factor, _, channel| Plant::Channel(channel, factor);
-    let whole: Made = |factor, _, _| Plant::Whole(factor);
     let of = |what: &str, plant, times: f64, up: bool| {
         let share = times * tolerance;
         // A tolerance is a share of the darker side.
@@ -382,11 +389,11 @@ fn planted(tolerance: f64, shift: Distance) -> Vec<Planted> {
     let moved =
         Planted { what: "shifted by a pixel".to_owned(), plant: |_, _, _| Plant::Shift, factor: 1.0, distance: shift };
     vec![
-        of("one tile", tile, CLEAR, true),
-        of("one tile", tile, CLEAR, false),
-        of("one tile", tile, 2.0, true),
-        of("one channel", channel, CLEAR, true),
-        of("whole image", whole, CLEAR, false),
+        of("one tile", TILE, CLEAR, true),
+        of("one tile", TILE, CLEAR, false),
+        of("one tile", TILE, 2.0, true),
+        of("one channel", CHANNEL, CLEAR, true),
+        of("whole image", WHOLE, CLEAR, false),
         moved,
     ]
 }

@@ -8,7 +8,7 @@
 //! Cells are those of a grid of 8 by 8 tiles and of the same image cut 4, 2 and 1 times along each side. The error of a cell comes
 //! from the scatter of its pixels over the images, widened by the correlation between pixels (reconstruction filters, reuse of paths). No
 //! sample is clipped or left out as an outlier; instead each renderer is taken to have missed one event as large as the largest that
-//! either has seen nearby. Skewness is corrected as Hall (1992) does.
+//! either has seen nearby. Skewness is corrected as Hall (1992) does. How often it is wrong, docs/calibration.md says.
 
 mod kept;
 mod normal;
