@@ -3,6 +3,7 @@
 mod agree;
 mod audit;
 mod blender;
+mod calibrate;
 mod cases;
 mod chunks;
 mod cli;

@@ -1,5 +1,6 @@
 //! The command line: what people type, with examples.
 
+mod calibrate;
 mod reference;
 
 use std::path::PathBuf;
@@ -9,6 +10,7 @@ use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
+pub use calibrate::Calibrate;
 pub use reference::{Reference, ReferenceAction, ReferenceAdd, ReferenceList};
 
 const EXIT_CODES: &str = "\
@@ -104,7 +106,8 @@ fn unfit(matches: &ArgMatches) -> Option<String> {
     }
     let flag = |name: &str| inner.try_get_one::<bool>(name).ok().flatten().copied().unwrap_or(false);
     let findings = matches!(format, Format::Sarif | Format::Github);
-    if ["diff", "agree", "eval", "clean", "similar", "list", "add", "reference", "conventions"].contains(&name)
+    if ["diff", "agree", "eval", "clean", "similar", "list", "add", "reference", "conventions", "calibrate"]
+        .contains(&name)
         && findings
     {
         return Some(format!(
@@ -250,6 +253,15 @@ pub enum Command {
         after_help = "Examples:\n  ltsc conventions --list\n  ltsc conventions --renderer mitsuba-3\n  ltsc conventions --renderer luxcore --only path_depth,conductor_alpha\n  ltsc conventions --renderer cycles --executable blender --format json\n  ltsc conventions --renderer mitsuba-3,luxcore,cycles -o docs   (keeps the numbers, writes docs/renderers.md)\n  ltsc conventions -o docs --stored --check   (exit 1 if the page is stale)"
     )]
     Conventions(Conventions),
+    /// Count how often the verdict of `agree` and `eval` is wrong, for people who change its statistics.
+    ///
+    /// Pairs of images are drawn from pools of chunks of real renderings (Mitsuba 3, 64 x 64 pixels, 16 samples), with something planted in
+    /// one of them or not, and the verdicts are counted. It needs ltsc's own scenes. Chunks are kept in the cache, so that a run that is
+    /// ended goes on; the first one renders for half an hour and more on two cores.
+    #[command(
+        after_help = "Examples:\n  ltsc calibrate -o docs   (counts, writes docs/calibration.json and docs/calibration.md)\n  ltsc calibrate --only ring -o docs\n  ltsc calibrate --only cbox_classic --kept --pairs 200   (a quick look, with what was rendered before)\n  ltsc calibrate -o docs --stored --check   (exit 1 if the page is stale)"
+    )]
+    Calibrate(Calibrate),
     /// Explain a finding, a word of the language, or a target.
     #[command(
         after_help = "Examples:\n  ltsc explain smooth-emitter\n  ltsc explain diffuse\n  ltsc explain --target luxcore\n  ltsc explain            (lists what can be explained)"

@@ -4,6 +4,7 @@ mod agree;
 mod audit;
 mod build;
 mod cache;
+mod calibrate;
 mod clean;
 mod completions;
 mod conventions;
@@ -51,6 +52,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Reference(command) => reference::run(&command),
         Command::Renderers(command) => renderers::run(&command),
         Command::Cache(command) => cache::run(&command),
+        Command::Calibrate(command) => calibrate::run(&command),
         Command::Conventions(command) => conventions::run(&command),
         Command::Explain(command) => explain::run(&command),
         Command::Doc(command) => doc::run(&command),
@@ -78,6 +80,7 @@ fn format_of(command: &Command) -> Format {
         Command::Render(command) => command.findings.format,
         Command::Diff(command) => command.format,
         Command::Conventions(command) => command.format,
+        Command::Calibrate(command) => command.format,
         Command::Agree(command) => command.findings.format,
         Command::Eval(command) => command.findings.format,
         Command::Clean(command) => command.format,

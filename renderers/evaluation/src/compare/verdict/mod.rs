@@ -8,7 +8,7 @@
 //! Cells are those of a grid of 8 by 8 tiles and of the same image cut 4, 2 and 1 times along each side. The error of a cell comes
 //! from the scatter of its pixels over the images, widened by the correlation between pixels (reconstruction filters, reuse of paths). No
 //! sample is clipped or left out as an outlier; instead each renderer is taken to have missed one event as large as the largest that
-//! either has seen nearby. Skewness is corrected as Hall (1992) does.
+//! either has seen nearby. Skewness is corrected as Hall (1992) does. How often it is wrong, docs/calibration.md says.
 
 mod kept;
 mod normal;
@@ -38,14 +38,14 @@ const FALSE_ALARM: f64 = 0.005;
 const ONE_SIDED: f64 = 1.644_854;
 
 /// Where a tile is darker than this share of the image, its tolerance is that of such a tile.
-const DARK: f64 = 0.1;
+pub(crate) const DARK: f64 = 0.1;
 
 /// A channel whose mean is below this share of the image's has its tolerance from the image's mean.
 const FAINT: f64 = 0.01;
 
 /// Pixels of the reference brighter than this many times its mean are left out: a light seen directly in a few pixels would
 /// otherwise make the mean (the pools of the lteval suite: six pixels change it by 41 %).
-const GLARE: f64 = 100.0;
+pub(crate) const GLARE: f64 = 100.0;
 
 /// The largest deviate that is told; without noise every difference has it.
 const CERTAIN: f64 = 1e3;
