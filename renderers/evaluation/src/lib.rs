@@ -4,7 +4,7 @@
 //! without a driver are called), `job` (a scene through a renderer), `chunk` (an image in pieces, kept by content), `executor` (who renders them: this machine or a cluster),
 //! `compare` (statistics of images, and the verdict), `conventions` (micro-scenes of known answers), `agree` (renderers against each
 //! other), `reference` (images that are kept with their error), `file` (what an evaluation is to render), `study` (an evaluation carried
-//! out). This is the only package that knows both scenes and renderers; it knows no
+//! out), `page` (its results in a browser). This is the only package that knows both scenes and renderers; it knows no
 //! arguments and no terminal.
 
 pub mod agree;
@@ -17,6 +17,7 @@ pub mod executor;
 pub mod failure;
 pub mod file;
 pub mod job;
+pub mod page;
 pub mod reference;
 pub mod study;
 pub mod watch;

@@ -17,6 +17,7 @@ mod fmt;
 mod init;
 mod lint;
 mod manual;
+mod page;
 mod reference;
 mod render;
 mod renderers;
@@ -47,6 +48,8 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Diff(command) => diff::run(&command),
         Command::Agree(command) => agree::run(&command),
         Command::Eval(command) => eval::run(&command),
+        Command::Report(command) => page::report(&command),
+        Command::View(command) => page::view(&command),
         Command::Clean(command) => clean::run(&command),
         Command::Reference(command) => reference::run(&command),
         Command::Renderers(command) => renderers::run(&command),
@@ -80,6 +83,8 @@ fn format_of(command: &Command) -> Format {
         Command::Conventions(command) => command.format,
         Command::Agree(command) => command.findings.format,
         Command::Eval(command) => command.findings.format,
+        Command::Report(command) => command.format,
+        Command::View(command) => command.format,
         Command::Clean(command) => command.format,
         Command::Cache(command) => command.format,
         Command::Reference(command) => match &command.action {
