@@ -3,6 +3,7 @@
 mod agree;
 mod audit;
 mod blender;
+mod browser;
 mod cases;
 mod chunks;
 mod cli;
@@ -26,6 +27,7 @@ mod micro;
 mod mitsuba;
 mod mutations;
 mod outputs;
+mod page;
 mod page_cases;
 mod pages;
 mod places;
@@ -44,6 +46,7 @@ mod statements;
 mod thesis;
 mod tidy;
 mod user;
+mod viewer;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -52,8 +52,8 @@
 
   /** Keys by name, with what they do; several keys may do one thing. */
   const KEYS = [
-    [["e"], "1/2 stop darker", () => exposure(-0.5)],
-    [["E"], "1/2 stop brighter", () => exposure(0.5)],
+    [["e"], "1/2 stop brighter", () => exposure(0.5)],
+    [["E"], "1/2 stop darker", () => exposure(-0.5)],
     [["r"], "everything as at first: exposure, tone, zoom", () => set({ ev: null, mev: null, tone: "srgb", gamma: 2.2, channel: "rgb", lo: null, hi: null, zoom: null, cx: 0.5, cy: 0.5, split: 0.5 })],
     [["t"], "next tone: sRGB, gamma, false color", () => set({ tone: step(["srgb", "gamma", "false"], S.now.tone, 1) })],
     [["k"], "next channel: RGB, red, green, blue, luminance", () => set({ channel: step(["rgb", "r", "g", "b", "lum"], S.now.channel, 1) })],

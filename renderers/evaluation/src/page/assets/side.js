@@ -15,7 +15,7 @@
   /** The panels, empty. */
   function make() {
     places = {};
-    return el("aside", { class: "side", "aria-label": "Numbers" },
+    return el("aside", { class: "panels", "aria-label": "Numbers" },
       panel("scale", "Scale", true),
       panel("pixel", "Values of a pixel", true),
       panel("verdict", "Verdict", true),

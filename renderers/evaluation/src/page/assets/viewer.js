@@ -63,7 +63,7 @@
     const [low, high] = [["lo", "From", 0], ["hi", "To", 1]].map(([name, label, side]) =>
       numeric(name, label, 0.5, () => S.now[name] ?? S.range(S.there(S.now.a) ? S.now.a : S.now.b)[side], true));
     const log = button("log", "Logarithmic scale: ends are powers of 2", () => set({ log: S.now.log ? 0 : 1, lo: null, hi: null }), "log");
-    const mev = numeric("mev", "Difference ×2^", 0.5, () => S.now.mev ?? S.auto(S.now.map, S.now.a, S.now.b), true);
+    const mev = numeric("mev", "Difference", 0.5, () => S.now.mev ?? S.auto(S.now.map, S.now.a, S.now.b), true);
     const split = el("input", { type: "range", min: 0, max: 1, step: 0.005, "aria-label": "Where the split lies", on: { input: () => set({ split: Number(split.value) }) } });
     const divide = el("label", { class: "field" }, el("span", {}, "Split"), split);
     const over = choose("over", "What the grid holds", [["scene", "this scene"], ["all", "all scenes"]]);
@@ -80,14 +80,15 @@
       el("div", { class: "bar", role: "toolbar", "aria-label": "What is compared" },
         el("a", { class: "home", href: "#index" }, "← Index"),
         select("scene", "Scene", () => ltsc.book.scenes.map((scene, at) => el("option", { value: at }, scene.name)), (value) => set(S.moved(Number(value))), () => S.now.scene),
-        select("a", "A (reference)", images, (value) => set({ a: Number(value) }), () => S.now.a),
+        select("a", "A", images, (value) => set({ a: Number(value) }), () => S.now.a),
         select("b", "B", images, (value) => set({ b: Number(value) }), () => S.now.b),
-        button("A ⇄ B", "Exchange A and B (w)", () => set({ a: S.now.b, b: S.now.a })),
+        button("⇄", "Exchange A and B (w)", () => set({ a: S.now.b, b: S.now.a })),
         choose("layout", "Layout", [["single", "Single", "One image; space flips between A and B (1)"], ["side", "Side by side", "A, B and their difference"], ["split", "Split", "A and B with a slider between"], ["grid", "Grid", "All images"]]),
-        choose("show", "What is shown", [["a", "A", "The reference (space flips)"], ["b", "B", "The image (space flips)"], ["map", "Comparison", "The comparison of A and B (d)"]]),
+        choose("show", "What is shown", [["a", "A", "The reference (space flips)"], ["b", "B", "The image (space flips)"], ["map", "Difference", "The comparison of A and B, by the map that is chosen (d)"]]),
         over,
-        select("map", "Comparison", () => ltsc.book.maps.map((map) => el("option", { value: map.name, title: map.summary }, map.name)), (value) => set({ map: value, mev: null }), () => S.now.map),
-        divide),
+        select("map", "by", () => ltsc.book.maps.map((map) => el("option", { value: map.name, title: map.summary }, map.name)), (value) => set({ map: value, mev: null }), () => S.now.map),
+        divide,
+        button("? Keys", "All keys (?)", () => ltsc.sheet())),
       el("div", { class: "bar", role: "toolbar", "aria-label": "How it is shown" },
         numeric("ev", "Exposure", 0.5, () => S.exposure(), true), mev,
         choose("tone", "Tone", [["srgb", "sRGB", "As a screen shows it (t)"], ["gamma", "Gamma", "A power (t)"], ["false", "False color", "Luminance as colors (t)"]]),
@@ -96,11 +97,10 @@
         el("div", { class: "choose", role: "group", "aria-label": "Zoom" },
           button("−", "Smaller (-)", () => ltsc.zoom(0.5)), el("output", { class: "zoom" }), button("+", "Larger (=)", () => ltsc.zoom(2)),
           button("fit", "The whole image (f)", () => set({ zoom: null, cx: 0.5, cy: 0.5 })), button("1:1", "A pixel of the image for one of the screen (0)", () => set({ zoom: 1 / (window.devicePixelRatio || 1) }))),
-        button("Verdict on tiles", "Tiles with their verdicts (v)", () => set({ tiles: S.now.tiles ? 0 : 1 }), "tiles"),
+        button("Tiles", "Tiles with their verdicts (v)", () => set({ tiles: S.now.tiles ? 0 : 1 }), "tiles"),
         el("div", { class: "choose", role: "group", "aria-label": "Keep" },
           button("Save PNG", "What is shown, as a picture (s)", ltsc_save), button("Save PFM", "The numbers of the first pane, in full", save_numbers),
-          button("Copy link", "The address of this view (c)", copy)),
-        button("?", "Keys", () => ltsc.sheet())));
+          button("Link", "The address of this view (c)", copy))));
   }
 
   function title() {
