@@ -3,6 +3,7 @@
 mod agree;
 mod audit;
 mod blender;
+mod browser;
 mod calibrate;
 mod cases;
 mod chunks;
@@ -27,6 +28,7 @@ mod micro;
 mod mitsuba;
 mod mutations;
 mod outputs;
+mod page;
 mod page_cases;
 mod pages;
 mod places;
@@ -45,6 +47,7 @@ mod statements;
 mod thesis;
 mod tidy;
 mod user;
+mod viewer;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -217,6 +217,20 @@ pub enum Command {
         after_help = "Examples:\n  ltsc eval scenes-src/eval/minimal.toml\n  ltsc eval basic.toml --dry-run              (what would be rendered, and how long it takes)\n  ltsc eval sweep.toml --set lamp_side=5,20,80\n  ltsc eval all.toml --keep-going --jobs 2\n  ltsc eval all.toml --executor slurm --shared /mnt/shared --option=--partition=short\n  ltsc eval --from-lteval cfg.py > cfg.toml   (a configuration of the thesis's tool)"
     )]
     Eval(Box<Eval>),
+    /// Make a page for a browser of a folder of results: all images in full range, comparisons, verdicts, plots.
+    ///
+    /// The folder is one that `ltsc eval` wrote, perhaps with images that were put there by hand, or any folder with OpenEXR and PFM
+    /// images: `scenes/SCENE/CASE.exr`, `references/SCENE/NAME.exr`, or folders of any other name, each of which is a scene. The page is
+    /// written into `DIR/page`; it opens from the disk, and needs no server and no network.
+    #[command(
+        after_help = "Examples:\n  ltsc report results/basic\n  ltsc report images --open\n  ltsc report results/basic --format json"
+    )]
+    Report(Report),
+    /// Make a page for a browser of loose images; the first is what the others are compared with.
+    #[command(
+        after_help = "Examples:\n  ltsc view a.exr b.exr\n  ltsc view reference.exr 16.exr 64.exr 256.exr -o compared --open"
+    )]
+    View(View),
     /// Remove results of earlier evaluations.
     ///
     /// Nothing but files that ltsc wrote and nobody has changed since is removed, and of each evaluation the newest results stay.
@@ -581,6 +595,9 @@ pub struct Eval {
     /// Say what would be rendered and how long it takes, and render nothing.
     #[arg(long)]
     pub dry_run: bool,
+    /// Make the page of the results for a browser, whatever the file says.
+    #[arg(long)]
+    pub page: bool,
     /// Go on with the other cases where one fails.
     #[arg(long)]
     pub keep_going: bool,
@@ -616,6 +633,41 @@ pub struct Eval {
     pub require_agree: bool,
     #[command(flatten)]
     pub findings: Findings,
+}
+
+#[derive(Args, Debug)]
+pub struct Report {
+    /// The folder of the results, or of images.
+    #[arg(value_name = "DIR")]
+    pub folder: PathBuf,
+    /// Start a browser with the page.
+    #[arg(long)]
+    pub open: bool,
+    /// Write also over files that ltsc did not write, or that were changed since.
+    #[arg(long)]
+    pub force: bool,
+    /// How the result is printed.
+    #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
+    pub format: Format,
+}
+
+#[derive(Args, Debug)]
+pub struct View {
+    /// OpenEXR or PFM files.
+    #[arg(value_name = "IMAGE", required = true)]
+    pub files: Vec<PathBuf>,
+    /// The folder of the page.
+    #[arg(short, long, value_name = "DIR", default_value = "view")]
+    pub output: PathBuf,
+    /// Start a browser with the page.
+    #[arg(long)]
+    pub open: bool,
+    /// Write also over files that ltsc did not write, or that were changed since.
+    #[arg(long)]
+    pub force: bool,
+    /// How the result is printed.
+    #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
+    pub format: Format,
 }
 
 /// When files written for renderers are left out of results.

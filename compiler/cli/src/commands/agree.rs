@@ -96,6 +96,11 @@ pub fn run(command: &Agree) -> Result<Exit, Failure> {
     if let Some(record) = &command.record {
         page::record(record, &rows, command.force)?;
     }
+    if let Some(folder) = command.keep.as_deref().filter(|folder| folder.is_dir())
+        && let Some(index) = super::page::beside(folder, command.force, false)
+    {
+        terminal::say(&format!("open {} in a browser", super::said::from_here(&index)));
+    }
     if command.findings.format == Format::Json {
         let rows: Vec<serde_json::Value> = rows.iter().map(|row| json!(row)).collect();
         terminal::print(&format!("{:#}\n", json!({ "rows": rows })));

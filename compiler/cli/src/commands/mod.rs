@@ -18,6 +18,7 @@ mod fmt;
 mod init;
 mod lint;
 mod manual;
+mod page;
 mod reference;
 mod render;
 mod renderers;
@@ -48,6 +49,8 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Diff(command) => diff::run(&command),
         Command::Agree(command) => agree::run(&command),
         Command::Eval(command) => eval::run(&command),
+        Command::Report(command) => page::report(&command),
+        Command::View(command) => page::view(&command),
         Command::Clean(command) => clean::run(&command),
         Command::Reference(command) => reference::run(&command),
         Command::Renderers(command) => renderers::run(&command),
@@ -83,6 +86,8 @@ fn format_of(command: &Command) -> Format {
         Command::Calibrate(command) => command.format,
         Command::Agree(command) => command.findings.format,
         Command::Eval(command) => command.findings.format,
+        Command::Report(command) => command.format,
+        Command::View(command) => command.format,
         Command::Clean(command) => command.format,
         Command::Cache(command) => command.format,
         Command::Reference(command) => match &command.action {

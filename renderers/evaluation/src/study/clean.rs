@@ -10,6 +10,7 @@ use serde::Serialize;
 
 use crate::disk::{MANIFEST, Manifest, is_removable, unwritable};
 use crate::failure::Failure;
+use crate::page;
 
 use super::folder::is_results;
 
@@ -81,6 +82,14 @@ fn look(folder: &Path, depth: usize, found: &mut Vec<PathBuf>) -> std::io::Resul
 fn remove(folder: &Path, files_only: bool, dry: bool) -> std::io::Result<Removed> {
     let mut done = Removed { folder: folder.to_path_buf(), files: 0, bytes: 0, kept: Vec::new() };
     let Some(mut manifest) = Manifest::read(folder) else { return Ok(done) };
+    // The page of results goes with them.
+    let page = folder.join(page::FOLDER);
+    if !files_only && page::is_page(&page) {
+        let of_page = remove(&page, false, dry)?;
+        done.files += of_page.files;
+        done.bytes += of_page.bytes;
+        done.kept.extend(of_page.kept.iter().map(|path| format!("{}/{path}", page::FOLDER)));
+    }
     let asked: Vec<(String, String)> = manifest
         .files
         .iter()

@@ -130,6 +130,7 @@ pub(super) fn judge(
             scene: evaluation.scenes[condition.scene].name.clone(),
             parameters: condition.set.iter().cloned().collect(),
             swept: condition.swept.iter().map(|(name, _)| name.clone()).collect(),
+            documentation: prepared.documentation.get(at).cloned().unwrap_or_default(),
             runs: made,
             pairs,
         });

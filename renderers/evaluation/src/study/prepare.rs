@@ -9,6 +9,7 @@ use ltsc_core::capability::{Feature, Support};
 use ltsc_core::diag::{Finding, Origin, Severity};
 use ltsc_core::formats::Choices;
 use ltsc_core::formats::statements::{Parameter, Statement, Statements};
+use ltsc_core::ir::Documentation;
 use ltsc_core::ledger::Ledger;
 use ltsc_core::pipeline;
 use ltsc_core::valid::Valid;
@@ -61,6 +62,8 @@ pub struct Prepared<'r> {
     pub jobs: Vec<Job<'r>>,
     /// In the order of [`Evaluation::runs`].
     pub runs: Vec<Ready>,
+    /// What the files of scenes say of them, in the order of [`Evaluation::conditions`].
+    pub documentation: Vec<String>,
     /// What people should know, none of which forbids to go on.
     pub findings: Vec<Finding>,
 }
@@ -82,7 +85,8 @@ pub fn prepare<'r>(
         Some((made, findings))
     };
     let made: Vec<_> = evaluation.runs.par_iter().map(one).collect();
-    let mut prepared = Prepared { jobs: Vec::new(), runs: Vec::new(), findings: Vec::new() };
+    let documentation = conditions.iter().map(|condition| words(&condition.scene.documentation)).collect();
+    let mut prepared = Prepared { jobs: Vec::new(), runs: Vec::new(), documentation, findings: Vec::new() };
     let mut known: BTreeMap<String, usize> = BTreeMap::new();
     for made in made {
         let Some((made, findings)) = made else { continue };
@@ -105,6 +109,14 @@ pub fn prepare<'r>(
         stale(evaluation, conditions, base, &mut prepared.findings);
     }
     if wrong || prepared.runs.len() < evaluation.runs.len() { Err(prepared.findings) } else { Ok(prepared) }
+}
+
+/// A scene's documentation as one text.
+fn words(of: &Documentation) -> String {
+    let paths = if of.paths.is_empty() { String::new() } else { format!("Light paths: {}", of.paths.join(", ")) };
+    let source = if of.source.is_empty() { String::new() } else { format!("Source: {}", of.source) };
+    let parts = [&of.brief, &of.full, &paths, &of.comments, &source];
+    parts.into_iter().filter(|part| !part.is_empty()).cloned().collect::<Vec<_>>().join("\n\n")
 }
 
 /// Says which comparisons are of images that are not the same, whatever their noise.

@@ -42,6 +42,9 @@ pub struct Condition {
     pub parameters: BTreeMap<String, String>,
     /// The parameters that are swept.
     pub swept: Vec<String>,
+    /// What the scene's file says of it.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub documentation: String,
     /// Its images.
     pub runs: Vec<Run>,
     /// Its comparisons.

@@ -78,7 +78,12 @@ pub fn run(command: &Eval) -> Result<Exit, Failure> {
         options: Options { keep_going: command.keep_going },
     };
     let done = study.carry_out(&prepared, &folder, &mut Watcher::default())?;
-    Ok(show::done(&done, &folder, command))
+    // A page that is there from an earlier run would show what is no longer so.
+    let output = &evaluation.output;
+    let stale = ltsc_evaluation::page::is_page(&folder.path.join(ltsc_evaluation::page::FOLDER));
+    let wanted = command.page || output.page || output.display || stale;
+    let page = if wanted { super::page::beside(&folder.path, command.force, output.display) } else { None };
+    Ok(show::done(&done, &folder, page.as_deref(), command))
 }
 
 /// The text of an evaluation file.

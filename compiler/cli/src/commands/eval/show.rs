@@ -1,6 +1,7 @@
 //! What an evaluation says: its plan, and its outcome.
 
 use std::fmt::Write as _;
+use std::path::Path;
 
 use ltsc_evaluation::compare::verdict::{Outcome, Told};
 use ltsc_evaluation::study::results::{Pair, Results, Status};
@@ -56,13 +57,14 @@ fn duration(seconds: f64) -> String {
 }
 
 /// The outcome.
-pub fn done(done: &Done, folder: &Folder, command: &Eval) -> Exit {
+pub fn done(done: &Done, folder: &Folder, page: Option<&Path>, command: &Eval) -> Exit {
     let results = &done.results;
     let exit = exit(results, command.require_agree);
     match command.findings.format {
         Format::Json => {
-            let folder = folder.path.to_string_lossy();
-            terminal::print(&format!("{:#}\n", json!({ "folder": folder, "results": results, "timing": done.timing })));
+            let (folder, page) = (folder.path.to_string_lossy(), page.map(Path::to_string_lossy));
+            let document = json!({ "folder": folder, "page": page, "results": results, "timing": done.timing });
+            terminal::print(&format!("{document:#}\n"));
             return exit;
         }
         Format::Short => {
@@ -98,6 +100,9 @@ pub fn done(done: &Done, folder: &Folder, command: &Eval) -> Exit {
     let plural = if total == 1 { "" } else { "s" };
     terminal::say(&format!("{total} comparison{plural}: {agree} agree, {differ} differ, {undecided} undecided{none}"));
     terminal::say(&format!("{} written: begin with summary.md", from_here(&folder.path)));
+    if let Some(page) = page {
+        terminal::say(&format!("open {} in a browser", from_here(page)));
+    }
     exit
 }
 

@@ -56,6 +56,12 @@ impl Told<'_> {
         }
     }
 
+    /// What is to blame for the outcome: the cell that differs the most for its noise.
+    pub fn blame(&self) -> String {
+        let worst = &self.verdict.worst;
+        format!("{}, z {:.1}", place(worst, self.verdict.side()), worst.z)
+    }
+
     /// What else there is to know.
     pub fn notes(&self) -> Vec<String> {
         let verdict = self.verdict;

@@ -1,0 +1,423 @@
+//! What there is to show: a folder of results, with images that were put there by hand, or loose files.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use ltsc_render::image::{Attributes, Provenance};
+use ltsc_render::regular;
+
+use super::described;
+use super::model::{Fact, Model, Pair, Picture, Row, Scene, Worst};
+use super::write::{FOLDER, is_page};
+use crate::compare::verdict::{Stated, Told};
+use crate::compare::{MAPS, METRICS};
+use crate::failure::{Exit, Failure, why};
+use crate::study::results::{self, Results, Settings, Status};
+use crate::study::timing::{self, Timing};
+
+/// The number of the form of a page's data.
+const FORM: u32 = 1;
+
+/// How deep images are looked for in a folder, and how many of them are shown.
+const DEPTH: usize = 6;
+const MOST: usize = 10_000;
+
+/// The largest table of results that is read.
+const LARGEST: u64 = 1 << 28;
+
+/// A page before its pixels are looked at.
+pub struct Book {
+    pub(super) model: Model,
+    /// Where each image lies; none of those that are not there.
+    pub(super) paths: Vec<Option<PathBuf>>,
+    /// Comparisons that no evaluation has made: scene, number in its list.
+    pub(super) open: Vec<(usize, usize)>,
+    /// How errors fell, where it is known.
+    pub(super) timing: Option<Timing>,
+    /// What was found of references, by the file they were made from: image.
+    pub(super) wanted: Vec<Wanted>,
+}
+
+/// A side of a comparison that is a file, whose image is known once its header is read.
+pub(super) struct Wanted {
+    pub scene: usize,
+    pub pair: usize,
+    pub from: String,
+}
+
+impl Book {
+    /// How many images there are, those that are missing too.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.model.images.len()
+    }
+
+    fn new(title: String) -> Self {
+        let number = |value: f32| value.is_finite().then_some(value);
+        let maps = MAPS.iter().map(|map| Row {
+            name: map.name.to_owned(),
+            summary: map.summary.to_owned(),
+            formula: map.formula.to_owned(),
+            range: (number(map.range.0), number(map.range.1)),
+        });
+        let metrics = METRICS.iter().map(|metric| Row {
+            name: metric.name.to_owned(),
+            summary: metric.summary.to_owned(),
+            formula: metric.formula.to_owned(),
+            range: (None, None),
+        });
+        let model = Model {
+            form: FORM,
+            generator: concat!("ltsc ", env!("CARGO_PKG_VERSION")).to_owned(),
+            title,
+            maps: maps.collect(),
+            metrics: metrics.collect(),
+            ..Model::default()
+        };
+        Self { model, paths: Vec::new(), open: Vec::new(), timing: None, wanted: Vec::new() }
+    }
+
+    /// Adds an image to a scene, with a label that no other one of the scene has.
+    fn add(&mut self, scene: usize, mut picture: Picture, path: Option<PathBuf>) -> usize {
+        let images = &self.model.images;
+        let of = &mut self.model.scenes[scene].images;
+        let taken: BTreeSet<&str> = of.iter().map(|image| images[*image].label.as_str()).collect();
+        let plain = picture.label.clone();
+        let mut number = 2;
+        while taken.contains(picture.label.as_str()) {
+            picture.label = format!("{plain} {number}");
+            number += 1;
+        }
+        of.push(images.len());
+        self.model.images.push(picture);
+        self.paths.push(path);
+        self.paths.len() - 1
+    }
+
+    /// Asks for comparisons of the images of a scene that no evaluation has compared, with its reference or its first image.
+    fn ask(&mut self, at: usize) {
+        let images = &self.model.images;
+        let scene = &mut self.model.scenes[at];
+        let there = |image: &&usize| matches!(images[**image].status, "done");
+        let reference = scene.images.iter().filter(there).find(|image| images[**image].kind == "reference");
+        let Some(a) = reference.or_else(|| scene.images.iter().find(there)).copied() else { return };
+        let known: BTreeSet<usize> = scene.pairs.iter().flat_map(|pair| pair.b.into_iter().chain(pair.a)).collect();
+        let new: Vec<usize> =
+            scene.images.iter().filter(there).copied().filter(|b| *b != a && !known.contains(b)).collect();
+        for b in new {
+            self.open.push((at, scene.pairs.len()));
+            let label = |image: usize| images[image].label.clone();
+            let (a_label, b_label) = (label(a), label(b));
+            scene.pairs.push(Pair { a: Some(a), b: Some(b), a_label, b_label, ..Pair::default() });
+        }
+    }
+}
+
+/// The page of loose files, in their order; the first is the reference.
+///
+/// # Errors
+/// If one of them is not there.
+pub fn of_files(files: &[PathBuf]) -> Result<Book, Failure> {
+    let mut book = Book::new("images".to_owned());
+    book.model.scenes.push(Scene { name: "images".to_owned(), scene: "images".to_owned(), ..Scene::default() });
+    for file in files {
+        if !file.is_file() {
+            return Err(Failure::new(Exit::Input, format!("{}: there is no such file", file.display()))
+                .help("name OpenEXR or PFM files"));
+        }
+        let label = file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let facts = vec![Fact("file".to_owned(), name)];
+        let picture = Picture { label, kind: "image", status: "done", facts, ..Picture::default() };
+        book.add(0, picture, Some(file.clone()));
+    }
+    book.ask(0);
+    Ok(book)
+}
+
+/// The page of a folder in the layout of results, with images that were put there by hand.
+///
+/// # Errors
+/// If the folder or its tables cannot be read.
+pub fn of_folder(folder: &Path) -> Result<Book, Failure> {
+    if !folder.is_dir() {
+        return Err(Failure::new(Exit::Usage, format!("{}: there is no such folder", folder.display()))
+            .help("name a folder of results, or one with OpenEXR or PFM images"));
+    }
+    let real = std::fs::canonicalize(folder).unwrap_or_else(|_| folder.to_path_buf());
+    let name = real.file_name().map_or_else(|| "images".to_owned(), |name| name.to_string_lossy().into_owned());
+    let mut book = Book::new(name);
+    let results: Option<Results> = table(folder, "results.json")?;
+    let timing: Option<Timing> = table(folder, "timing.json")?;
+    let mut folders = BTreeMap::new();
+    if let Some(results) = &results {
+        of_results(&mut book, results, timing.as_ref(), folder, &mut folders);
+    }
+    by_hand(&mut book, folder, &mut folders)?;
+    for scene in 0..book.model.scenes.len() {
+        book.ask(scene);
+    }
+    book.timing = timing;
+    Ok(book)
+}
+
+/// A table of results; nothing where there is none.
+fn table<T: serde::de::DeserializeOwned>(folder: &Path, name: &str) -> Result<Option<T>, Failure> {
+    let path = folder.join(name);
+    if std::fs::symlink_metadata(&path).is_err() {
+        return Ok(None);
+    }
+    let text = regular::read(&path, LARGEST)
+        .map_err(|error| Failure::new(Exit::Input, format!("{}: {}", path.display(), why(&error))))?;
+    serde_json::from_slice(&text).map(Some).map_err(|error| {
+        Failure::new(Exit::Input, format!("{}: {error}", path.display()))
+            .help("carry out the evaluation again, or move this file away to see the images alone")
+    })
+}
+
+fn of_results(
+    book: &mut Book,
+    results: &Results,
+    timing: Option<&Timing>,
+    folder: &Path,
+    folders: &mut BTreeMap<String, usize>,
+) {
+    let model = &mut book.model;
+    model.title.clone_from(&results.name);
+    model.description.clone_from(&results.description);
+    model.generator.clone_from(&results.generator);
+    model.date = timing.map(|timing| timing.date.chars().take(16).collect::<String>().replace('T', " "));
+    let mut facts = vec![Fact("written by".to_owned(), results.generator.clone())];
+    facts.extend(timing.map(|timing| Fact("machine".to_owned(), timing.machine.to_string())));
+    model.facts = facts;
+    let text = regular::read_text(&folder.join("evaluation.toml"), regular::TEXT);
+    model.cases = text.map(|text| described::cases(&text)).unwrap_or_default();
+    for condition in &results.conditions {
+        let at = book.model.scenes.len();
+        book.model.scenes.push(Scene {
+            name: condition.name.clone(),
+            scene: condition.scene.clone(),
+            documentation: condition.documentation.clone(),
+            parameters: condition.parameters.iter().map(|(name, value)| Fact(name.clone(), value.clone())).collect(),
+            ..Scene::default()
+        });
+        let mut numbers = BTreeMap::new();
+        for run in &condition.runs {
+            let time = timing.and_then(|timing| {
+                timing.runs.iter().find(|time| time.condition == condition.name && time.label == run.label)
+            });
+            let path = run.image.as_ref().map(|path| folder.join(path));
+            if let Some((around, _)) = run.image.as_ref().and_then(|path| path.rsplit_once('/')) {
+                folders.insert(around.to_owned(), at);
+                folders.insert(around.replacen("scenes/", "references/", 1), at);
+            }
+            let picture = picture(run, time, folder);
+            numbers.insert(run.label.clone(), book.add(at, picture, path));
+        }
+        for pair in &condition.pairs {
+            if pair.reference {
+                let wanted = Wanted { scene: at, pair: book.model.scenes[at].pairs.len(), from: pair.a.clone() };
+                book.wanted.push(wanted);
+            }
+            let made = compared(pair, &numbers);
+            book.model.scenes[at].pairs.push(made);
+        }
+    }
+}
+
+/// An image of an evaluation.
+fn picture(run: &results::Run, time: Option<&timing::Run>, folder: &Path) -> Picture {
+    let status = match run.status {
+        Status::Done => "done",
+        Status::Failed => "failed",
+        Status::Skipped => "skipped",
+    };
+    let lacks = run.status == Status::Done && run.image.as_ref().is_none_or(|path| !folder.join(path).is_file());
+    let log = run.image.as_ref().and_then(|path| path.strip_suffix(".exr")).map(|path| format!("{path}.log"));
+    Picture {
+        label: run.label.clone(),
+        kind: "image",
+        case: run.case.clone(),
+        renderer: run.renderer.clone(),
+        status: if lacks { "missing" } else { status },
+        why: if lacks { Some("its file is not there any more".to_owned()) } else { run.failure.clone() },
+        file: run.image.as_ref().map(|path| format!("../{path}")),
+        log: log.filter(|path| folder.join(path).is_file()).map(|path| format!("../{path}")),
+        facts: facts(run, time),
+        stated: run.stated.iter().map(stated).collect(),
+        samples: Some(run.samples),
+        seconds: time.map(|time| time.cost.seconds),
+        noise: run.noise,
+        ..Picture::default()
+    }
+}
+
+fn stated(stated: &Stated) -> String {
+    format!("{} states up to {:.1} % for {}", stated.by, 100.0 * stated.share, stated.what)
+}
+
+/// How an image came to be.
+fn facts(run: &results::Run, time: Option<&timing::Run>) -> Vec<Fact> {
+    let mut facts = Vec::new();
+    let mut add = |name: &str, value: String| {
+        if !value.is_empty() {
+            facts.push(Fact(name.to_owned(), value));
+        }
+    };
+    add("case", run.case.clone());
+    add("renderer", format!("{} {}", run.driver, run.version));
+    add("called in the file", run.renderer.clone());
+    add("target", run.target.clone());
+    add("samples per pixel", run.samples.to_string());
+    add("chunks", format!("{}, first seed {}", run.chunks, run.first_seed));
+    if let Some(settings) = &run.settings {
+        let Settings { algorithm, family, convergence, max_depth, unbounded, filter, clamped, passed } = settings;
+        let family = family.as_ref().filter(|family| Some(*family) != algorithm.as_ref());
+        let of = [algorithm.clone(), family.map(|family| format!("({family})")), convergence.clone()];
+        add("algorithm", of.into_iter().flatten().collect::<Vec<_>>().join(" "));
+        let depth = max_depth.map_or_else(String::new, |depth| format!("{depth} segments"));
+        add("depth of paths", if *unbounded { "not bounded".to_owned() } else { depth });
+        add("filter", filter.clone().unwrap_or_default());
+        add("samples clamped at", clamped.map_or_else(String::new, |limit| limit.to_string()));
+        add("passed through", passed.join("; "));
+    }
+    add("noise of a pixel", run.noise.map_or_else(String::new, |noise| format!("{:.3} % of the mean", 100.0 * noise)));
+    if let Some(time) = time {
+        let cost = &time.cost;
+        add("seconds", format!("{:.1}", cost.seconds));
+        add("processor seconds", cost.cpu_seconds.map_or_else(String::new, |seconds| format!("{seconds:.1}")));
+        add("memory", cost.peak_memory.map_or_else(String::new, |bytes| format!("{:.0} MB", bytes as f64 / 1e6)));
+        add("efficiency", time.efficiency.map_or_else(String::new, |value| format!("{value:.3}")));
+        add("times compare within", time.group.clone());
+    }
+    add("hash of scene and settings", run.identity.clone());
+    add("files for the renderer", run.files.clone().unwrap_or_default());
+    facts
+}
+
+/// A comparison of an evaluation.
+fn compared(pair: &results::Pair, numbers: &BTreeMap<String, usize>) -> Pair {
+    let told = pair.verdict.as_ref().map(|verdict| Told { verdict, stated: &pair.stated, excused: pair.excused });
+    let mut notes: Vec<String> = pair.not_comparable.iter().map(|why| format!("not comparable: {why}")).collect();
+    if !pair.unknown.is_empty() {
+        notes.push(format!("not known whether they are alike: {}", pair.unknown.join(", ")));
+    }
+    match &told {
+        Some(told) => notes.extend(told.notes()),
+        None => notes.extend(pair.stated.iter().map(stated)),
+    }
+    if let Some(shift) = pair.shift.filter(|shift| (shift.dx, shift.dy) != (0, 0)) {
+        notes.push(format!("B lies {}, {} pixels off A", shift.dx, shift.dy));
+    }
+    let verdict = pair.verdict.as_ref();
+    Pair {
+        a: if pair.reference { None } else { numbers.get(&pair.a).copied() },
+        b: numbers.get(&pair.b).copied(),
+        a_label: pair.a.clone(),
+        b_label: pair.b.clone(),
+        verdict: verdict.map(|verdict| verdict.outcome.word()),
+        proof: told.as_ref().map(Told::proof),
+        channels: verdict.map(|verdict| verdict.channels.map(|channel| (channel.ratio, channel.error))),
+        notes,
+        refused: pair.refused.clone(),
+        metrics: pair.metrics.iter().map(|measure| (measure.name.clone(), measure.value.overall)).collect(),
+        tiles: verdict.map(super::measured::judged),
+        worst: verdict.map(|verdict| Worst {
+            grid: verdict.worst.grid,
+            at: verdict.worst.at,
+            words: told.as_ref().map_or_else(String::new, Told::blame),
+        }),
+    }
+}
+
+/// Images that no table names, by the folder they lie in.
+fn by_hand(book: &mut Book, folder: &Path, folders: &mut BTreeMap<String, usize>) -> Result<(), Failure> {
+    let known: BTreeSet<PathBuf> = book.paths.iter().flatten().cloned().collect();
+    let mut found = Vec::new();
+    look(folder, folder, DEPTH, &mut found)
+        .map_err(|error| Failure::new(Exit::Input, format!("{}: {}", folder.display(), why(&error))))?;
+    found.sort();
+    if found.len() > MOST {
+        book.model.remarks.push(format!("{} images were found, of which the first {MOST} are here", found.len()));
+        found.truncate(MOST);
+    }
+    for path in found.into_iter().filter(|path| !known.contains(path)) {
+        let below = path.strip_prefix(folder).unwrap_or(&path);
+        let text = below.to_str().map(|text| text.replace(std::path::MAIN_SEPARATOR, "/"));
+        let shown = below.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "/");
+        let (around, name) = shown.rsplit_once('/').unwrap_or(("", &shown));
+        let reference = around == "references" || around.starts_with("references/");
+        let plain = around.strip_prefix("scenes/").or_else(|| around.strip_prefix("references/")).unwrap_or(around);
+        let title = if plain.is_empty() { "images" } else { plain };
+        let at = folders.get(around).or_else(|| folders.get(plain)).copied().unwrap_or_else(|| {
+            let scene = Scene { name: title.to_owned(), scene: title.to_owned(), ..Scene::default() };
+            book.model.scenes.push(scene);
+            book.model.scenes.len() - 1
+        });
+        folders.insert(around.to_owned(), at);
+        folders.insert(plain.to_owned(), at);
+        let label = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
+        let label = if reference { format!("reference: {label}") } else { label.to_owned() };
+        let log = path.with_extension("log");
+        let picture = Picture {
+            label,
+            kind: if reference { "reference" } else { "image" },
+            status: "done",
+            file: text.as_ref().map(|text| format!("../{text}")),
+            log: text.filter(|_| log.is_file()).and_then(|text| {
+                let (stem, _) = text.rsplit_once('.')?;
+                Some(format!("../{stem}.log"))
+            }),
+            ..Picture::default()
+        };
+        book.add(at, picture, Some(path));
+    }
+    Ok(())
+}
+
+/// Images below a folder; hidden folders, links, pages, and files for renderers are passed over.
+fn look(top: &Path, folder: &Path, depth: usize, found: &mut Vec<PathBuf>) -> std::io::Result<()> {
+    for entry in std::fs::read_dir(folder)? {
+        let entry = entry?;
+        let (kind, path) = (entry.file_type()?, entry.path());
+        let hidden = entry.file_name().as_encoded_bytes().starts_with(b".");
+        if kind.is_dir() && !hidden && depth > 0 && !is_page(&path) {
+            let apart = folder == top && (entry.file_name() == "files" || entry.file_name() == FOLDER);
+            if !apart {
+                look(top, &path, depth - 1, found)?;
+            }
+        } else if kind.is_file() && !hidden {
+            let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+            if matches!(ending.as_deref(), Some("exr" | "pfm")) {
+                found.push(path);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// What the header of an image says of how it came to be.
+pub(super) fn header(attributes: &Attributes) -> Vec<Fact> {
+    let Provenance { scene, scene_hash, version, renderer, renderer_version, samples, seed, seconds, extra } =
+        Provenance::from_attributes(attributes);
+    let mut facts = Vec::new();
+    let mut add = |name: &str, value: String| {
+        if !value.is_empty() {
+            facts.push(Fact(name.to_owned(), value));
+        }
+    };
+    let some = |number: u64| if number > 0 { number.to_string() } else { String::new() };
+    add("scene", scene);
+    add("renderer", format!("{renderer} {renderer_version}").trim().to_owned());
+    add("samples per pixel", some(samples));
+    add("seed", some(seed));
+    add("seconds", if seconds > 0.0 { format!("{seconds:.1}") } else { String::new() });
+    add("hash of scene and settings", scene_hash);
+    add("rendered through", if version.is_empty() { version } else { format!("ltsc {version}") });
+    for (name, value) in extra {
+        add(&name, value);
+    }
+    let others = attributes.iter().filter(|(name, _)| !name.starts_with("ltsc:"));
+    facts.extend(others.map(|(name, value)| Fact(name.clone(), value.clone())));
+    facts
+}
