@@ -43,6 +43,7 @@ const fn row(target: &'static str, main_file: &'static str) -> Driver {
         wavelengths: None,
         seeds: Seeds::Free,
         least_samples: 1,
+        defects: &[],
         failures: &[],
         hints: &[],
         probe: |_| Ok(String::new()),

@@ -28,6 +28,7 @@ pub(super) const ROW: Driver = Driver {
     // -16 % with 8 samples, -3.6 % with 32; cbox_classic, 128 x 128, whole image: -1.0 % with 8, -0.3 % with 32, 0.0 % with 128.
     seeds: super::Seeds::Free,
     least_samples: 64,
+    defects: &[],
     failures: &[],
     hints: &[
         ("MemoryError", "it ran out of memory; make the image or the meshes smaller"),

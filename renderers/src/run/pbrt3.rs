@@ -19,6 +19,7 @@ pub(super) const ROW: Driver = Driver {
     wavelengths: None,
     seeds: super::Seeds::Free,
     least_samples: 1,
+    defects: &[],
     failures: &[],
     hints: &[
         ("No such file or directory", "a file is missing; emit the folder again and keep it together"),

@@ -192,6 +192,7 @@ impl At<'_> {
             noise: None,
             non_finite: 0,
             stated: ready.stated.clone(),
+            defects: job.defects().map(str::to_owned).collect(),
         };
         let fate = &self.fates[at];
         if let Some(manual) = &ready.manual {

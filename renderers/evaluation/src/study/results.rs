@@ -114,6 +114,9 @@ pub struct Run {
     pub non_finite: usize,
     /// What the target states of the scene.
     pub stated: Vec<Stated>,
+    /// What the renderer is known to render otherwise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub defects: Vec<String>,
 }
 
 /// Settings with which an image was rendered, in units of scenes.

@@ -74,6 +74,7 @@ fn remarks(run: &Run) -> Vec<String> {
     if let Some(files) = &run.files {
         all.push(format!("its files are in `{files}`"));
     }
+    all.extend(run.defects.iter().cloned());
     if run.non_finite > 0 {
         all.push(format!("{} pixels are infinite or not a number", run.non_finite));
     }

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use ltsc_evaluation::compare::verdict::{Outcome, Told};
-use ltsc_evaluation::study::results::{Pair, Results, Status};
+use ltsc_evaluation::study::results::{Condition, Pair, Results, Status};
 use ltsc_evaluation::study::{Done, Estimate, Folder};
 use serde_json::json;
 
@@ -135,6 +135,10 @@ fn line(pair: &Pair) -> String {
 /// All comparisons, for people.
 fn text(results: &Results) -> String {
     let mut text = String::new();
+    let defects = |condition: &Condition, pair: &Pair| -> Vec<String> {
+        let of = condition.runs.iter().filter(|run| run.label == pair.b || !pair.reference && run.label == pair.a);
+        of.flat_map(|run| run.defects.iter().map(|what| format!("{}: {what}", run.driver))).collect()
+    };
     for condition in results.conditions.iter().filter(|condition| !condition.pairs.is_empty()) {
         let _written = writeln!(text, "{}", terminal::strong(&condition.name, true));
         for pair in &condition.pairs {
@@ -149,6 +153,9 @@ fn text(results: &Results) -> String {
             let _written = writeln!(text, "        B / A {}", told.channels());
             for note in told.notes() {
                 let _written = writeln!(text, "        {note}");
+            }
+            for what in defects(condition, pair) {
+                let _written = writeln!(text, "        {what}");
             }
             for blame in &pair.blame {
                 let _written = writeln!(text, "        {}", blame.text());
