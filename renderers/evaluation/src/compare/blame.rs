@@ -37,7 +37,7 @@ pub struct Blame {
     pub name: String,
     /// Its share of the pixels.
     pub pixels: f64,
-    /// Its share of the squared difference, without that of noise.
+    /// Its share of the squared difference that is found on all groups, without that of noise.
     pub share: f64,
     /// B / A over its pixels and channels; none where A is black.
     pub ratio: Option<f64>,
@@ -79,7 +79,7 @@ pub fn blame(a: Noisy<'_>, b: Noisy<'_>, seen: &Seen) -> Vec<Blame> {
         return Vec::new();
     }
     let mut groups: std::collections::BTreeMap<(Kind, &str), Sums> = std::collections::BTreeMap::new();
-    let mut whole = Sums::default();
+    let mut pixels = 0.0;
     for pixel in 0..seen.width * seen.height {
         let (of_a, of_b) = (a.mean.pixels[pixel], b.mean.pixels[pixel]);
         if !finite(&of_a) || !finite(&of_b) {
@@ -96,26 +96,23 @@ pub fn blame(a: Noisy<'_>, b: Noisy<'_>, seen: &Seen) -> Vec<Blame> {
             // Of a normal deviate the square has a variance of twice its own squared; channels of a pixel go together.
             sums.spread += 3.0 * 2.0 * variance * variance;
         }
-        let group = group(seen, pixel);
-        for sums_of in [&mut whole, groups.entry(group).or_default()] {
-            sums_of.pixels += sums.pixels;
-            sums_of.a += sums.a;
-            sums_of.b += sums.b;
-            sums_of.squares += sums.squares;
-            sums_of.spread += sums.spread;
-        }
+        pixels += 1.0;
+        let of = groups.entry(group(seen, pixel)).or_default();
+        of.pixels += sums.pixels;
+        of.a += sums.a;
+        of.b += sums.b;
+        of.squares += sums.squares;
+        of.spread += sums.spread;
     }
-    if whole.squares <= SIGNIFICANT * whole.spread.sqrt() {
-        return Vec::new();
-    }
-    // A group below its noise has nothing of the difference, and takes nothing from the others.
-    let total: f64 = groups.values().map(|sums| sums.squares.max(0.0)).sum();
-    let told = groups.into_iter().filter(|(_, sums)| sums.squares > SIGNIFICANT * sums.spread.sqrt());
+    // A group whose noise hides its part has none to tell: edges of lamps must not hide what lies on walls.
+    let told: Vec<_> = groups.into_iter().filter(|(_, sums)| sums.squares > SIGNIFICANT * sums.spread.sqrt()).collect();
+    let total: f64 = told.iter().map(|(_, sums)| sums.squares).sum();
     let mut all: Vec<Blame> = told
+        .into_iter()
         .map(|((kind, name), sums)| Blame {
             kind,
             name: name.to_owned(),
-            pixels: sums.pixels / whole.pixels,
+            pixels: sums.pixels / pixels,
             share: sums.squares / total,
             ratio: (sums.a > 0.0).then(|| sums.b / sums.a),
         })

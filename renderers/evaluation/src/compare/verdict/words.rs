@@ -39,7 +39,9 @@ impl Told<'_> {
         match verdict.outcome {
             Outcome::Agree => format!("within {within}"),
             Outcome::Differ => {
-                format!("{}, z {:.1}, by more than {within}", place(&verdict.worst, verdict.side()), verdict.worst.z)
+                let cell = &verdict.worst;
+                let share = if cell.grid == 1 { verdict.tolerance.whole } else { verdict.tolerance.tiles };
+                format!("{}, z {:.1}, by more than {:.1} %", place(cell, verdict.side()), cell.z, 100.0 * share)
             }
             Outcome::Undecided if self.excused => {
                 format!("{}, by more than {within}, which the targets state", place(&verdict.worst, verdict.side()))
