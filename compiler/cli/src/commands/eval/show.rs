@@ -12,7 +12,7 @@ use crate::args::{Eval, Format};
 use crate::output::Exit;
 use crate::terminal;
 
-use super::super::said::from_here;
+use super::super::said::{from_here, plural};
 
 /// The plan.
 pub fn dry(estimate: &Estimate, format: Format) -> Exit {
@@ -97,8 +97,16 @@ pub fn done(done: &Done, folder: &Folder, page: Option<&Path>, command: &Eval) -
     let [agree, differ, undecided, none] = results.outcomes();
     let none = if none > 0 { format!(", {none} without a verdict") } else { String::new() };
     let total = pairs(results).count();
-    let plural = if total == 1 { "" } else { "s" };
-    terminal::say(&format!("{total} comparison{plural}: {agree} agree, {differ} differ, {undecided} undecided{none}"));
+    let images = results.runs().filter(|(_, run)| run.status == Status::Done).count();
+    if total == 0 {
+        terminal::say(&format!(
+            "{}, and nothing to compare: a second case, or a `reference`, is compared with it",
+            plural(images, "image")
+        ));
+    } else {
+        let words = plural(total, "comparison");
+        terminal::say(&format!("{words}: {agree} agree, {differ} differ, {undecided} undecided{none}"));
+    }
     terminal::say(&format!("{} written: begin with summary.md", from_here(&folder.path)));
     if let Some(page) = page {
         terminal::say(&format!("open {} in a browser", from_here(page)));
