@@ -561,3 +561,31 @@ fn a_full_disk_ends_an_evaluation_and_the_next_one_goes_on() {
         assert!(same && left.iter().all(|file| file.starts_with("a/")), "{left:?}");
     }
 }
+
+/// Those that take the least time; the others have the same renderers.
+#[test]
+#[ignore = "long: renders examples with real renderers"]
+fn examples_are_carried_out_by_real_renderers() {
+    let listed = run(ltsc().args(["renderers", "list", "--format", "json"]));
+    let list: Value = serde_json::from_str(&listed.out).expect("JSON");
+    for name in ["mitsuba-3", "luxcore", "cycles", "pbrt-r4"] {
+        let all = list["renderers"].as_array().expect("a list");
+        if !all.iter().any(|one| one["name"] == name && one["status"] == "installed") {
+            return super::skip("examples of evaluations", &format!("`ltsc renderers install {name}`"));
+        }
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["parameter_types", "together"] {
+        let file = super::root().join(format!("scenes-src/eval/{name}.toml"));
+        let out = folder.path().join(name);
+        let ran = run(ltsc().arg("eval").arg(file).arg("-o").arg(&out).arg("--keep-going"));
+        assert!(matches!(ran.code, Some(0 | 1)), "{name}: {}{}", ran.out, ran.err);
+        let results = json(&out.join("results.json"));
+        let runs = results["conditions"]
+            .as_array()
+            .expect("conditions")
+            .iter()
+            .flat_map(|one| one["runs"].as_array().expect("runs"));
+        assert!(runs.into_iter().all(|run| run["status"] == "done"), "{name}: {results}");
+    }
+}
