@@ -415,6 +415,28 @@ fn budgets_render_further_chunks() {
 }
 
 #[test]
+fn times_are_taken_alone_where_they_are_to_be_compared() {
+    let stage = Stage::new();
+    stage.evaluation(&["even", "bright"], "name = \"a\"");
+    let timing = || json(&stage.path("scenes/eval/results/a/timing.json"))["runs"][0].clone();
+    assert_eq!(stage.eval(&["--jobs", "2"]).code, Some(1));
+    assert_eq!((stage.calls(), timing()["cost"]["at_once"].as_u64()), (16, Some(2)));
+    assert_eq!(
+        timing()["cost"]["threads"].as_u64(),
+        Some(1.max(std::thread::available_parallelism().map_or(1, usize::from) as u64 / 2))
+    );
+    // What was rendered beside others is rendered again, once.
+    assert_eq!(stage.eval(&["--timing"]).code, Some(1));
+    assert_eq!((stage.calls(), timing()["cost"]["at_once"].as_u64()), (32, Some(1)));
+    assert_eq!(stage.eval(&["--timing"]).code, Some(1));
+    assert_eq!(stage.calls(), 32);
+    let group = timing()["group"].as_str().expect("a group").to_owned();
+    assert!(group.contains("1 at once") && group.contains("cores"), "{group}");
+    assert_eq!(timing()["efficiency"].as_f64().map(|one| one > 0.0), Some(true));
+    assert_eq!(stage.eval(&["--timing", "--jobs", "2"]).code, Some(2));
+}
+
+#[test]
 fn earlier_results_are_cleaned_and_nothing_else() {
     let stage = Stage::new();
     stage.evaluation(&["even"], "name = \"a\"");

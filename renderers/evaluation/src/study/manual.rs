@@ -26,10 +26,15 @@ pub struct Manual {
 impl Manual {
     /// Of a run; `base` is the folder of the evaluation's file.
     pub(super) fn of(evaluation: &Evaluation, run: Run, base: &Path) -> Self {
-        let name = |text: &str| Names::default().of(text);
-        let folder = base.join(&evaluation.output.folder).join("manual").join(name(&evaluation.name));
-        let folder = folder.join(name(&evaluation.conditions[run.condition].name));
-        let label = name(&evaluation.label(run));
+        // Names are those of the results: given in the order of the file, none twice.
+        let mut conditions = Names::default();
+        let named = evaluation.conditions.iter().map(|condition| conditions.of(&condition.name));
+        let condition = named.take(run.condition + 1).last().unwrap_or_default();
+        let mut labels = Names::default();
+        let own = evaluation.runs.iter().filter(|other| other.condition == run.condition && **other <= run);
+        let label = own.map(|other| labels.of(&evaluation.label(*other))).last().unwrap_or_default();
+        let study = Names::default().of(&evaluation.name);
+        let folder = base.join(&evaluation.output.folder).join("manual").join(study).join(condition);
         Self { files: folder.join(&label), image: folder.join(format!("{label}.exr")) }
     }
 
