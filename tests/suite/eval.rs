@@ -543,6 +543,59 @@ fn a_program_without_a_driver_is_called_by_its_command() {
     assert!(pair["verdict"].is_null() && pair["refused"].as_str().is_some_and(|why| why.contains("noise")), "{pair}");
 }
 
+#[test]
+fn a_scene_is_reduced_to_what_the_difference_needs() {
+    use ltsc_core::ir::Scene;
+    use ltsc_evaluation::chunk::Store;
+    use ltsc_evaluation::compare::verdict::{Outcome, Tolerance};
+    use ltsc_evaluation::job::Runner;
+    use ltsc_evaluation::reduce::{Question, write};
+    use ltsc_evaluation::watch::Unwatched;
+
+    let stage = Stage::new();
+    // It renders what it is given as the other one does, but for one shape.
+    stage.renderer("picky", "set=even; if cat $(dirname $main)/*.pbrt | grep -q culprit; then set=bright; fi\ncp $here/$set/$seed.exr \"$out\"");
+    let more: String =
+        (0..6).map(|at| format!("shape s{at} = box(size: 0.1) |> translate({at}, 0, 0) with diffuse(0.2)\n")).collect();
+    let text = fs::read_to_string(stage.path("scenes/one.lts")).expect("a scene");
+    let text = format!("{text}{more}shape culprit = box(size: 0.2) |> translate(0, 3, 0) with mirror(0.9)\n");
+    fs::write(stage.path("scenes/two.lts"), text.replace("scene one", "scene two")).expect("a scene");
+    let scene: Scene = super::prepared(&super::Disk(stage.folder.path().to_path_buf()), "scenes/two.lts").into_inner();
+    let driver = ltsc_render::run::driver("pbrt-r4").expect("a driver");
+    let find = |name: &str| {
+        Runner::find(driver, Some(&stage.path(&format!("scenes/eval/{name}"))), None, None).expect("a program")
+    };
+    let (even, picky, bright) = (find("even"), find("picky"), find("bright"));
+    let store = Store::at(stage.path("cache/chunks"));
+    let question = |a, b| Question {
+        a,
+        b,
+        samples: 16,
+        tolerance: Tolerance { tiles: 0.05, whole: 0.05 },
+        tiles: 1,
+        store: &store,
+    };
+    let reduced = question(&even, &picky).reduce(scene.clone(), &mut Unwatched).expect("a difference");
+    let names: Vec<&str> = reduced.shown.scene.shapes.values().map(|shape| shape.name.as_str()).collect();
+    assert_eq!((names, reduced.things), (vec!["culprit"], (8, 1)), "{:?}", reduced.steps);
+    assert_eq!(reduced.shown.verdict.outcome, Outcome::Differ);
+    assert!(reduced.steps.iter().any(|step| step.contains("grey diffuse")), "{:?}", reduced.steps);
+    assert_eq!(reduced.shown.scene.integrator.max_depth(), 1);
+    let folder = stage.path("report");
+    write(&reduced, &folder, false).expect("written");
+    let files = files_below(&folder);
+    for name in ["report.md", "verdict.json", "difference.png", "pbrt-r4-a.exr", "pbrt-r4-b/scene.pbrt"] {
+        assert!(files.iter().any(|file| file == name), "{name}: {files:?}");
+    }
+    let report = fs::read_to_string(folder.join("report.md")).expect("a report");
+    assert!(report.contains("`culprit`: diffuse") && report.contains("**differ**"), "{report}");
+    // What differs everywhere needs nothing; what does not differ is refused.
+    let all = question(&even, &bright).reduce(scene.clone(), &mut Unwatched).expect("a difference");
+    assert_eq!(all.things.1, 1, "{:?}", all.steps);
+    let same = question(&even, &even).reduce(scene, &mut Unwatched).err().expect("no difference");
+    assert!(same.message.contains("do not differ"), "{}", same.message);
+}
+
 /// On small file systems in memory, which only root may make.
 #[test]
 fn a_full_disk_ends_an_evaluation_and_the_next_one_goes_on() {

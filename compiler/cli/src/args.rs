@@ -74,7 +74,7 @@ pub fn command() -> clap::Command {
     let names: Vec<String> = command.get_subcommands().map(|one| one.get_name().to_owned()).collect();
     // One that is changed goes to the end, so that all of them go there in their order.
     for name in names {
-        let own = matches!(name.as_str(), "agree" | "eval" | "reference" | "similar");
+        let own = matches!(name.as_str(), "agree" | "eval" | "reduce" | "reference" | "similar");
         command = command.mut_subcommand(name, |one| if own { form(one) } else { one });
     }
     command
@@ -106,7 +106,7 @@ fn unfit(matches: &ArgMatches) -> Option<String> {
     }
     let flag = |name: &str| inner.try_get_one::<bool>(name).ok().flatten().copied().unwrap_or(false);
     let findings = matches!(format, Format::Sarif | Format::Github);
-    if ["diff", "agree", "eval", "clean", "similar", "list", "add", "reference", "conventions", "calibrate"]
+    if ["diff", "agree", "eval", "clean", "reduce", "similar", "list", "add", "reference", "conventions", "calibrate"]
         .contains(&name)
         && findings
     {
@@ -247,6 +247,14 @@ pub enum Command {
         after_help = "Examples:\n  ltsc reference scenes-src/cbox_classic.lts --renderer mitsuba-3\n  ltsc reference scenes-src/ring.lts --renderer mitsuba-3 --integrator light_tracing --error 1% --budget 10m\n  ltsc reference list --check                    (exit 1 if one is stale)\n  ltsc reference add ring.exr --scene scenes-src/ring.lts --renderer mitsuba-0.5 --by \"the thesis, 2020\""
     )]
     Reference(Reference),
+    /// Make a scene as small as it can be while two renderers still differ on it.
+    ///
+    /// Takes out surfaces, instances and lights, makes materials plainer and paths shorter, and renders what is left after each step. The
+    /// result is a folder to attach to a report of the fault: the scene for both renderers, images, verdict, versions. Exit code 1: they do not differ.
+    #[command(
+        after_help = "Examples:\n  ltsc reduce scenes-src/surfaces.lts --renderer mitsuba-3,cycles\n  ltsc reduce scene.lts --renderer mitsuba-3,luxcore --samples 4096 --size 32 -o report"
+    )]
+    Reduce(Box<Reduce>),
     /// List and install renderers.
     Renderers(Renderers),
     /// Show what the user's cache holds, and remove what is old: renderings in chunks, and installations.
@@ -698,6 +706,37 @@ pub struct Clean {
     /// How the result is printed.
     #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
     pub format: Format,
+}
+
+#[derive(Args, Debug)]
+pub struct Reduce {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// The two renderers, the reference first.
+    #[arg(long, value_name = "A,B", value_delimiter = ',', required = true)]
+    pub renderer: Vec<String>,
+    /// The folder to write [default: `./<scene>-reduced`].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Write also over files that ltsc did not write, or that were changed since.
+    #[arg(long)]
+    pub force: bool,
+    /// Width and height of the images in pixels, where `--width` and `--height` say nothing.
+    #[arg(long, value_name = "PIXELS", default_value_t = 64, value_parser = clap::value_parser!(u32).range(8..=4096))]
+    pub size: u32,
+    /// How much a tile may differ in each channel (0.05 is 5 %), plus the bounds that targets state for the scene.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share)]
+    pub tolerance: f64,
+    /// How much the whole image may differ in each channel, plus the same bounds.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share)]
+    pub mean_tolerance: f64,
+    /// Tiles along each side of the image.
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = PossibleValuesParser::new(["1", "2", "4", "8"]).try_map(|text| text.parse::<u32>()))]
+    pub tiles: u32,
+    #[command(flatten)]
+    pub settings: Settings,
+    #[command(flatten)]
+    pub findings: Findings,
 }
 
 #[derive(Args, Debug)]

@@ -4,7 +4,8 @@
 //! without a driver are called), `job` (a scene through a renderer), `chunk` (an image in pieces, kept by content), `executor` (who renders them: this machine or a cluster),
 //! `compare` (statistics of images, and the verdict), `conventions` (micro-scenes of known answers), `agree` (renderers against each
 //! other), `calibrate` (how often the verdict is wrong), `reference` (images that are kept with their error), `file` (what an evaluation
-//! is to render), `study` (an evaluation carried out), `page` (its results in a browser). This is the only package that knows both scenes
+//! is to render), `study` (an evaluation carried out), `page` (its results in a browser), `reduce` (the
+//! smallest scene on which two renderers differ). This is the only package that knows both scenes
 //! and renderers; it knows no
 //! arguments and no terminal.
 
@@ -20,6 +21,7 @@ pub mod failure;
 pub mod file;
 pub mod job;
 pub mod page;
+pub mod reduce;
 pub mod reference;
 pub mod study;
 pub mod watch;

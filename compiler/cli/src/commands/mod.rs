@@ -19,6 +19,7 @@ mod init;
 mod lint;
 mod manual;
 mod page;
+mod reduce;
 mod reference;
 mod render;
 mod renderers;
@@ -49,6 +50,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Diff(command) => diff::run(&command),
         Command::Agree(command) => agree::run(&command),
         Command::Eval(command) => eval::run(&command),
+        Command::Reduce(command) => reduce::run(&command),
         Command::Report(command) => page::report(&command),
         Command::View(command) => page::view(&command),
         Command::Clean(command) => clean::run(&command),
@@ -86,6 +88,7 @@ fn format_of(command: &Command) -> Format {
         Command::Calibrate(command) => command.format,
         Command::Agree(command) => command.findings.format,
         Command::Eval(command) => command.findings.format,
+        Command::Reduce(command) => command.findings.format,
         Command::Report(command) => command.format,
         Command::View(command) => command.format,
         Command::Clean(command) => command.format,
