@@ -274,7 +274,7 @@
   ltsc.draw = {
     ask, all, layout, place, values, shot, lacks, job,
     panes: () => panes,
-    busy: () => asked || ltsc.store.busy() > 0 || [...slow.values()].includes(null) || panes.some((pane) => pane.seen && lacks(pane) === null && pane.canvas.classList.contains("waits")),
+    busy: () => asked || later !== null || ltsc.store.busy() > 0 || [...slow.values()].includes(null) || panes.some((pane) => pane.seen && lacks(pane) === null && pane.canvas.classList.contains("waits")),
     slow: (pane) => slow.get(`${S.now.map} ${pane.a} ${pane.b}`) ?? null,
     hover: (at) => {
       hover = at;
@@ -286,5 +286,13 @@
       new ResizeObserver(ask).observe(stage);
     },
   };
-  ltsc.store.listen(ask);
+  // While parts come one after the other, what is there is drawn now and then.
+  let later = null;
+  ltsc.store.listen(() => {
+    if (ltsc.store.busy() === 0) ask();
+    else later ??= setTimeout(() => {
+      later = null;
+      ask();
+    }, 150);
+  });
 }
