@@ -84,11 +84,16 @@
     for (const pane of panes) {
       pane.caption.replaceChildren(...caption(pane));
       pane.canvas.setAttribute("aria-label", pane.title);
-      const why = lacks(pane);
-      pane.note.hidden = why === null;
-      pane.note.textContent = why ?? "";
-      pane.canvas.hidden = why !== null;
+      say(pane);
     }
+  }
+
+  /** Says in the place of a picture why there is none. */
+  function say(pane) {
+    const why = lacks(pane);
+    pane.note.hidden = why === null;
+    if (pane.note.textContent !== (why ?? "")) pane.note.textContent = why ?? "";
+    pane.canvas.hidden = why !== null;
   }
 
   function caption(pane) {
@@ -211,6 +216,7 @@
   function all(unseen) {
     const list = [];
     for (const pane of panes) {
+      say(pane);
       if ((!pane.seen && !unseen) || lacks(pane) !== null) continue;
       const at = place(pane);
       for (const number of new Set([pane.a, pane.b])) {
@@ -219,6 +225,10 @@
         const whole = !preview || at.zoom * at.ratio > 1 / preview.factor || slowly;
         list.push({ number, whole, near: [S.now.cx, S.now.cy] });
       }
+    }
+    // The other side is flipped to next, and its values stand beside.
+    for (const number of [S.now.a, S.now.b]) {
+      if (S.there(number) && !list.some((one) => one.number === number)) list.push({ ...list[0], number, whole: list[0]?.whole ?? false, near: [0.5, 0.5] });
     }
     ltsc.want(list);
     for (const pane of panes) if (pane.seen || unseen) draw(pane);
@@ -264,7 +274,7 @@
   ltsc.draw = {
     ask, all, layout, place, values, shot, lacks, job,
     panes: () => panes,
-    busy: () => asked || ltsc.store.busy() > 0 || [...slow.values()].includes(null) || panes.some((pane) => pane.canvas.classList.contains("waits") && pane.seen),
+    busy: () => asked || later !== null || ltsc.store.busy() > 0 || [...slow.values()].includes(null) || panes.some((pane) => pane.seen && lacks(pane) === null && pane.canvas.classList.contains("waits")),
     slow: (pane) => slow.get(`${S.now.map} ${pane.a} ${pane.b}`) ?? null,
     hover: (at) => {
       hover = at;
@@ -276,5 +286,13 @@
       new ResizeObserver(ask).observe(stage);
     },
   };
-  ltsc.store.listen(ask);
+  // While parts come one after the other, what is there is drawn now and then.
+  let later = null;
+  ltsc.store.listen(() => {
+    if (ltsc.store.busy() === 0) ask();
+    else later ??= setTimeout(() => {
+      later = null;
+      ask();
+    }, 150);
+  });
 }

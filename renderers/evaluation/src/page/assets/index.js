@@ -85,7 +85,7 @@
       }))));
     }
     fill();
-    return el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": caption }, el("table", { class: "plain" }, el("caption", { class: "hidden" }, caption), el("thead", {}, el("tr", {}, cells)), body));
+    return el("div", { class: "scroll", tabindex: 0, role: "region", "aria-label": `${caption}: table` }, el("table", { class: "plain" }, el("caption", { class: "hidden" }, caption), el("thead", {}, el("tr", {}, cells)), body));
   }
 
   function images() {

@@ -97,7 +97,7 @@
 
   document.addEventListener("keydown", (event) => {
     if (!document.querySelector(".viewer") || event.ctrlKey || event.metaKey) return;
-    const field = event.target.closest("input, select, textarea, dialog");
+    const field = event.target.closest("input, select, textarea, dialog[open]");
     if (field && !(field.type === "range" && !event.key.startsWith("Arrow"))) return;
     // A focused control keeps what it does itself.
     if (event.target.closest("button, a, summary") && (event.key === " " || event.key === "Enter")) return;

@@ -28,7 +28,7 @@
   /** Keeps the address as what is shown, without a step back for each change. */
   function keep() {
     const link = ltsc.state.link();
-    if (link === location.hash) return;
+    if (link === location.hash || !document.querySelector(".viewer")) return;
     own = link;
     try {
       history.replaceState(null, "", link);

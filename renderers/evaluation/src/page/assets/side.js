@@ -271,7 +271,7 @@
         one.log ? el("a", { href: ltsc.path(one.log) }, "log") : null,
       ].filter(Boolean);
       return el("section", {},
-        el("h3", {}, `${side}: ${one.label}`),
+        el("h2", {}, `${side}: ${one.label}`),
         links.length > 0 ? el("p", { class: "links" }, links) : null,
         one.why ? el("p", {}, `${one.status}: ${one.why}`) : null,
         one.stated.map((text) => el("p", { class: "stated" }, text)),

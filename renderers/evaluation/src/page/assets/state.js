@@ -80,8 +80,7 @@
     for (const side of ["a", "b"]) if (state[side] !== null) words.set(side, named(state[side]));
     for (const [name, value] of Object.entries(state)) {
       if (["scene", "a", "b"].includes(name) || value === DEFAULTS[name] || value === null) continue;
-      const round = (x) => (typeof x === "number" ? String(Number(x.toPrecision(9))) : String(x));
-      words.set(name, Array.isArray(value) ? value.map(round).join(",") : round(value));
+      words.set(name, String(value));
     }
     return `#view?${words}`;
   }

@@ -237,7 +237,7 @@
   function build(app) {
     controls = {};
     const stage = el("div", { class: "stage", tabindex: 0, role: "group", "aria-label": "Images. Arrows move, minus and equals zoom, question mark lists all keys." });
-    app.replaceChildren(el("main", { id: "main", class: "viewer" }, bar(), el("div", { class: "middle" }, stage, ltsc.side.make())));
+    app.replaceChildren(el("main", { id: "main", class: "viewer" }, el("h1", { class: "hidden" }, ltsc.book.title), bar(), el("div", { class: "middle" }, stage, ltsc.side.make())));
     pointers(stage);
     ltsc.draw.on(stage);
     refresh();
