@@ -3,7 +3,7 @@
 use super::before;
 use super::draw::Design;
 use super::interval::Rate;
-use super::record::{BAR, Bar, Measured, Record, Row, Scene, Test};
+use super::record::{BAR, Bar, Measured, Record, Row, SMALL, Scene, Test};
 use super::suite;
 
 /// The page, below the folder of pages.
@@ -26,8 +26,8 @@ with one tolerance for tiles and the whole.
 - **`differ` of equals** is wrong. It is counted at a tolerance of 1 %, which hides nothing, between images of one renderer, also where
   B has far more samples, and between two estimators of the same image.
 - **`agree`** is wrong where something is off by one and a half tolerances or more in some tile or in the whole. It is counted with so
-  many samples that equals are likely to agree. What is planted has a known size; of another scene a row counts only where three
-  standard errors leave one and a half tolerances. At one tolerance, which does not count, 5 % would be as promised.
+  many samples that equals are likely to agree, where the pools have them. What is planted has a known size; of another scene a row counts
+  only where three standard errors leave one and a half tolerances; the largest tolerance of which that is true is among them. At one tolerance, which does not count, 5 % would be as promised.
   `differ` is right there as well as `undecided`: something is off that chance does not explain, and what is measured of it lies on either
   side of the tolerance.
 - A **prediction** says how many samples show agreement of equals in one of two cases. Its median is held against the samples with
@@ -122,6 +122,12 @@ fn absent(record: &Record) -> String {
     if lines.is_empty() { String::new() } else { format!("\n### What is missing\n\n{}\n", lines.join("\n")) }
 }
 
+/// A tolerance as people write it.
+fn percent(tolerance: f64) -> String {
+    let tenths = (1000.0 * tolerance).round();
+    format!("{} %", tenths / 10.0)
+}
+
 fn share(rate: Rate) -> String {
     rate.share().map_or_else(|| "-".to_owned(), |share| format!("{:.2} %", 100.0 * share))
 }
@@ -193,8 +199,8 @@ fn grown(scene: &Scene) -> String {
     for row in scene.of(Test::Growing) {
         let part = |count: u64| share(Rate { hits: count, trials: row.pairs });
         text.push_str(&format!(
-            "| {:.0} % | {} | {} | {} | {} | {} | {} | {} |\n",
-            100.0 * row.tolerance,
+            "| {} | {} | {} | {} | {} | {} | {} | {} |\n",
+            percent(row.tolerance),
             scene.samples_of(row.a),
             sides(row.a),
             row.pairs,
@@ -241,7 +247,7 @@ fn off(scene: &Scene) -> String {
         | | off by, in tolerances; at least | tolerance | A, B | samples of each side | equals agree | pairs | agree | rate | 95 % interval | counts | differ |\n\
         |---|---|---|---|---|---|---|---|---|---|---|---|\n"
         .to_owned();
-    let rows = scene.of(Test::Planted).chain(scene.of(Test::Real).filter(|row| row.tolerance > 0.01));
+    let rows = scene.of(Test::Planted).chain(scene.of(Test::Real).filter(|row| row.tolerance > SMALL));
     for row in rows {
         let equal = scene
             .of(Test::Growing)
@@ -253,9 +259,9 @@ fn off(scene: &Scene) -> String {
         let (rate, counts) = (row.agreed(), if row.is_clear() { "yes" } else { "no" });
         let (rate, interval) = (share(rate), interval(rate));
         text.push_str(&format!(
-            "| {} | {by:.1}; {least:.1} | {:.0} % | {} | {} | {equal} | {} | {} | {rate} | {interval} | {counts} | {} |\n",
+            "| {} | {by:.1}; {least:.1} | {} | {} | {} | {equal} | {} | {} | {rate} | {interval} | {counts} | {} |\n",
             row.what,
-            100.0 * row.tolerance,
+            percent(row.tolerance),
             sides(row.a),
             scene.samples_of(row.a),
             row.pairs,
@@ -271,7 +277,7 @@ fn found(scene: &Scene) -> String {
     let mut text = "\n### What is found at a tolerance of 1 %\n\n\
         | | A, B | samples of each side | pairs | differ | 95 % interval | agree | before |\n|---|---|---|---|---|---|---|---|\n"
         .to_owned();
-    let rows = scene.of(Test::Power).chain(scene.of(Test::Real).filter(|row| row.tolerance <= 0.01));
+    let rows = scene.of(Test::Power).chain(scene.of(Test::Real).filter(|row| row.tolerance <= SMALL));
     for row in rows {
         let rate = row.differed();
         text.push_str(&format!(

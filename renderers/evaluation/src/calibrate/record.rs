@@ -11,6 +11,9 @@ use super::plant::Distance;
 /// The largest rate of wrong answers that is allowed.
 pub const BAR: f64 = 0.01;
 
+/// The tolerance at which false differences and what is found are counted: small, so that it hides nothing.
+pub const SMALL: f64 = 0.01;
+
 /// From so many tolerances on, a difference must not be called agreement.
 pub const CLEAR: f64 = 1.5;
 
@@ -184,7 +187,9 @@ impl Scene {
             Bar { what: what.to_owned(), rate: Some(rate), found, met: rate.share().map(|share| share <= BAR) }
         };
         let differ = |test: Test| self.of(test).map(Row::differed).collect::<Vec<_>>();
-        let clear = |test: Test| self.of(test).filter(|row| row.is_clear()).map(Row::agreed).collect::<Vec<_>>();
+        // Equals do not agree at the small tolerance either, so that it says nothing.
+        let counts = |row: &&Row| row.is_clear() && row.tolerance > SMALL;
+        let clear = |test: Test| self.of(test).filter(counts).map(Row::agreed).collect::<Vec<_>>();
         let mut bars = vec![
             bar("`differ` of equals, one renderer, tolerance 1 %", differ(Test::Same)),
             bar("`differ` of equals, two estimators, tolerance 1 %", differ(Test::Estimator)),
