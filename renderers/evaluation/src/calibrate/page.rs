@@ -133,6 +133,9 @@ fn share(rate: Rate) -> String {
 }
 
 fn interval(rate: Rate) -> String {
+    if rate.trials == 0 {
+        return "-".to_owned();
+    }
     let (low, high) = rate.interval();
     format!("{:.2} to {:.2} %", 100.0 * low, 100.0 * high)
 }
