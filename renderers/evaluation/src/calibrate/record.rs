@@ -1,5 +1,7 @@
 //! What was counted, as it is kept.
 
+use std::cmp::Ordering;
+
 use serde::{Deserialize, Serialize};
 
 use super::draw::Design;
@@ -8,6 +10,9 @@ use super::plant::Distance;
 
 /// The largest rate of wrong answers that is allowed.
 pub const BAR: f64 = 0.01;
+
+/// The tolerance at which false differences and what is found are counted: small, so that it hides nothing.
+pub const SMALL: f64 = 0.01;
 
 /// From so many tolerances on, a difference must not be called agreement.
 pub const CLEAR: f64 = 1.5;
@@ -163,7 +168,7 @@ pub struct Bar {
     pub what: String,
     /// What was counted; none for one that is no rate.
     pub rate: Option<Rate>,
-    /// What was found, where it is no rate.
+    /// What was found where it is no rate; of a rate the worst row.
     pub found: String,
     /// Whether it is met; none where too little was counted.
     pub met: Option<bool>,
@@ -173,19 +178,24 @@ impl Scene {
     /// The promises.
     #[must_use]
     pub fn bars(&self) -> Vec<Bar> {
-        let rate = |what: &str, rate: Rate| Bar {
-            what: what.to_owned(),
-            rate: Some(rate),
-            found: String::new(),
-            met: rate.share().map(|share| share <= BAR),
+        let bar = |what: &str, rates: Vec<Rate>| {
+            let rate: Rate = rates.iter().copied().sum();
+            let worst = rates
+                .into_iter()
+                .max_by(|one, other| one.share().partial_cmp(&other.share()).unwrap_or(Ordering::Equal));
+            let found = worst.map_or_else(String::new, |worst| format!("{} of {}", worst.hits, worst.trials));
+            Bar { what: what.to_owned(), rate: Some(rate), found, met: rate.share().map(|share| share <= BAR) }
         };
-        let differ = |test: Test| self.of(test).map(Row::differed).sum::<Rate>();
-        let clear = |test: Test| self.of(test).filter(|row| row.is_clear()).map(Row::agreed).sum::<Rate>();
+        let differ = |test: Test| self.of(test).map(Row::differed).collect::<Vec<_>>();
+        // Equals do not agree at the small tolerance either, so that it says nothing.
+        let counts = |row: &&Row| row.is_clear() && row.tolerance > SMALL;
+        let clear = |test: Test| self.of(test).filter(counts).map(Row::agreed).collect::<Vec<_>>();
         let mut bars = vec![
-            rate("`differ` of equals, one renderer", differ(Test::Same) + differ(Test::Growing)),
-            rate("`differ` of equals, two estimators", differ(Test::Estimator)),
-            rate("`agree` of what is planted, 1.5 tolerances and more", clear(Test::Planted)),
-            rate("`agree` of other scenes, 1.5 tolerances and more", clear(Test::Real)),
+            bar("`differ` of equals, one renderer, tolerance 1 %", differ(Test::Same)),
+            bar("`differ` of equals, two estimators, tolerance 1 %", differ(Test::Estimator)),
+            bar("`differ` of equals with more and more samples", differ(Test::Growing)),
+            bar("`agree` of what is planted, 1.5 tolerances and more", clear(Test::Planted)),
+            bar("`agree` of other scenes, 1.5 tolerances and more", clear(Test::Real)),
         ];
         for prediction in self.predictions.iter().filter(|one| one.from.images == 8) {
             bars.push(self.predicted(prediction));

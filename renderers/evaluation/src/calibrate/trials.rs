@@ -5,14 +5,11 @@ use rayon::prelude::*;
 
 use super::draw::{Design, Random, growing, pair};
 use super::plant::{Distance, Plant, Truth};
-use super::record::{CLEAR, Prediction, Row, Test};
+use super::record::{CLEAR, Prediction, Row, SMALL, Test};
 use super::suite::{SAMPLES, Scene, Variant};
 use crate::compare::Images;
 use crate::compare::verdict::{Needed, Outcome, Rendered, Tolerance, judge};
 use crate::failure::{Exit, Failure};
-
-/// The tolerance at which false differences and power are counted: small, so that it hides nothing.
-const SMALL: f64 = 0.01;
 
 /// Images of each side where nothing else is said.
 const IMAGES: usize = 8;
@@ -211,13 +208,20 @@ impl Pools<'_> {
         distance: Distance,
         counted: &mut Counted,
     ) -> Result<(), Failure> {
-        let last = REAL[REAL.len() - 1];
-        let at_small = REAL.iter().map(|design| (*design, SMALL));
-        let all = at_small.chain(self.scene.tolerances.iter().map(|tolerance| (last, *tolerance)));
+        let (last, trials) = (REAL[REAL.len() - 1], part(self.pairs, OTHER_SHARE));
+        // The largest tolerance that it is still far beyond, down to a tenth of a percent.
+        let widest = libm::floor(1000.0 * distance.proved / CLEAR) / 1000.0;
+        let mut all: Vec<(Design, f64)> = REAL.iter().map(|design| (*design, SMALL)).collect();
+        all.extend(self.scene.tolerances.iter().map(|tolerance| (last, *tolerance)));
+        if widest > SMALL {
+            all.push((last, widest));
+            let equal =
+                Kind { test: Test::Growing, what: "equal", designs: (last, last), tolerance: widest, distance: None };
+            counted.rows.extend(self.pairs(None, &equal, trials, &mut counted.missing)?);
+        }
         for (design, tolerance) in all {
             let (test, what) = (Test::Real, variant.name);
             let kind = Kind { test, what, designs: (design, design), tolerance, distance: Some(distance) };
-            let trials = part(self.pairs, OTHER_SHARE);
             counted.rows.extend(self.pairs(Some(pool), &kind, trials, &mut counted.missing)?);
         }
         Ok(())
@@ -236,13 +240,17 @@ impl Pools<'_> {
             let name = format!("prediction {}", from.images);
             let one = |trial: u64| {
                 let drawn = pair(&mut self.random(&name, trial), self.base, None, (from, from));
-                let Some((a, b)) = drawn else { return Ok(None) };
-                verdict((&a, &b), (from, from), *tolerance).map(|(_, needed)| needed)
+                let Some((a, b)) = drawn else { return Ok((Outcome::Undecided, None)) };
+                verdict((&a, &b), (from, from), *tolerance)
             };
             let trials = part(self.pairs, OTHER_SHARE);
             let all = (0..trials).into_par_iter().map(one).collect::<Result<Vec<_>, Failure>>()?;
+            let outcomes: Vec<Outcome> = all.iter().map(|(outcome, _)| *outcome).collect();
+            let (test, designs, tolerance) = (Test::Growing, (from, from), *tolerance);
+            let equal = Kind { test, what: "equal", designs, tolerance, distance: None };
+            counted.rows.push(equal.row(&outcomes));
             // Where it is decided already nothing is predicted.
-            let needed: Vec<Needed> = all.into_iter().flatten().collect();
+            let needed: Vec<Needed> = all.into_iter().filter_map(|(_, needed)| needed).collect();
             let sorted = |of: fn(&Needed) -> Option<f64>| {
                 let mut all: Vec<f64> = needed.iter().map(|one| of(one).unwrap_or(f64::INFINITY)).collect();
                 all.sort_by(f64::total_cmp);
@@ -254,7 +262,7 @@ impl Pools<'_> {
                 all.get(place).copied().filter(|value| value.is_finite()).map(three_digits)
             };
             counted.predictions.push(Prediction {
-                tolerance: *tolerance,
+                tolerance,
                 from,
                 pairs: needed.len() as u64,
                 half: [0.1, 0.5, 0.9].map(|share| at(&half, share)),
@@ -384,14 +392,20 @@ fn planted(tolerance: f64, shift: Distance) -> Vec<Planted> {
         // A tolerance is a share of the darker side.
         let factor = if up { 1.0 + share } else { 1.0 / (1.0 + share) };
         let (sign, distance) = (if up { '+' } else { '-' }, Distance { share, proved: share });
-        Planted { what: format!("{what} {sign}{times} tolerances"), plant, factor, distance }
+        Planted {
+            what: format!("{what} {sign}{times} {}", if times > 1.0 { "tolerances" } else { "tolerance" }),
+            plant,
+            factor,
+            distance,
+        }
     };
     let moved =
         Planted { what: "shifted by a pixel".to_owned(), plant: |_, _, _| Plant::Shift, factor: 1.0, distance: shift };
     vec![
         of("one tile", TILE, CLEAR, true),
         of("one tile", TILE, CLEAR, false),
-        of("one tile", TILE, 2.0, true),
+        // At the tolerance itself a tile may be called equal in 5 % of all cases.
+        of("one tile", TILE, 1.0, true),
         of("one channel", CHANNEL, CLEAR, true),
         of("whole image", WHOLE, CLEAR, false),
         moved,
