@@ -54,7 +54,12 @@ impl Browser {
         let profile = tempfile::tempdir().expect("a folder");
         let child = Command::new(program)
             .args(["--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
-            .args(["--remote-debugging-port=0", "--no-first-run", "--disable-extensions", "--disable-background-networking"])
+            .args([
+                "--remote-debugging-port=0",
+                "--no-first-run",
+                "--disable-extensions",
+                "--disable-background-networking",
+            ])
             .args(["--disable-dev-shm-usage", "--hide-scrollbars", "--force-color-profile=srgb"])
             .arg(format!("--user-data-dir={}", profile.path().display()))
             .arg("about:blank")
@@ -84,7 +89,8 @@ impl Browser {
         let (session, events) = (String::new(), Vec::new());
         let mut browser = Self { child, socket, session, next: 0, events, _profile: profile, _alone: alone };
         let target = browser.send("Target.createTarget", json!({ "url": "about:blank" }));
-        let attached = browser.send("Target.attachToTarget", json!({ "targetId": target["targetId"], "flatten": true }));
+        let attached =
+            browser.send("Target.attachToTarget", json!({ "targetId": target["targetId"], "flatten": true }));
         browser.session = attached["sessionId"].as_str().expect("a session").to_owned();
         for domain in ["Page", "Runtime", "Log", "Network"] {
             browser.send(&format!("{domain}.enable"), json!({}));
@@ -136,7 +142,8 @@ impl Browser {
 
     /// The value of an expression, or of what it promises.
     pub fn eval(&mut self, expression: &str) -> Value {
-        let params = json!({ "expression": expression, "awaitPromise": true, "returnByValue": true, "userGesture": true });
+        let params =
+            json!({ "expression": expression, "awaitPromise": true, "returnByValue": true, "userGesture": true });
         let result = self.send("Runtime.evaluate", params);
         let wrong = &result["exceptionDetails"];
         assert!(wrong.is_null(), "{expression}: {}", wrong["exception"]["description"]);
@@ -188,7 +195,9 @@ impl Browser {
         }
         let digit = plain.strip_prefix("Digit");
         let (key, code) = match digit {
-            Some(digit) if modifiers & 8 != 0 => ("!@#$%^&*(".get(digit.parse::<usize>().map_or(0..1, |at| at - 1..at)).unwrap_or(digit), plain),
+            Some(digit) if modifiers & 8 != 0 => {
+                ("!@#$%^&*(".get(digit.parse::<usize>().map_or(0..1, |at| at - 1..at)).unwrap_or(digit), plain)
+            }
             Some(digit) => (digit, plain),
             None => (plain, ""),
         };
@@ -223,19 +232,15 @@ impl Browser {
         self.settle();
     }
 
-    /// The window as PNG.
-    pub fn picture(&mut self) -> Vec<u8> {
-        let shot = self.send("Page.captureScreenshot", json!({ "format": "png" }));
-        STANDARD.decode(shot["data"].as_str().expect("a picture")).expect("base64")
-    }
-
     /// What the page complains about.
     pub fn problems(&self) -> Vec<String> {
         let words = |event: &Value| {
             let params = &event["params"];
             match event["method"].as_str()? {
                 "Runtime.exceptionThrown" => Some(params["exceptionDetails"].to_string()),
-                "Runtime.consoleAPICalled" if matches!(params["type"].as_str(), Some("error" | "warning" | "assert")) => {
+                "Runtime.consoleAPICalled"
+                    if matches!(params["type"].as_str(), Some("error" | "warning" | "assert")) =>
+                {
                     Some(params["args"].to_string())
                 }
                 "Log.entryAdded" if matches!(params["entry"]["level"].as_str(), Some("error" | "warning")) => {

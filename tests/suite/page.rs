@@ -85,7 +85,9 @@ fn the_page_of_results_has_all_that_they_say() {
     let path = image("path/mitsuba-3");
     assert_eq!(path["file"], "../scenes/cbox_classic/path-mitsuba-3.exr");
     assert_eq!(path["log"], "../scenes/cbox_classic/path-mitsuba-3.log");
-    assert!(path["facts"].as_array().is_some_and(|facts| facts.iter().any(|fact| fact[0] == "hash of scene and settings")));
+    assert!(
+        path["facts"].as_array().is_some_and(|facts| facts.iter().any(|fact| fact[0] == "hash of scene and settings"))
+    );
     let pair = &scenes[0]["pairs"][0];
     assert!(pair["verdict"].is_string() && pair["proof"].is_string() && pair["worst"]["words"].is_string());
     let tiles = &pair["tiles"];
@@ -94,7 +96,9 @@ fn the_page_of_results_has_all_that_they_say() {
     assert!(list("half").iter().all(Value::is_number), "the variance is known: {tiles}");
     // Plots with the numbers beside them, and one over the swept parameter.
     for plot in scenes[0]["plots"].as_array().expect("plots").iter().chain(model["plots"].as_array().expect("plots")) {
-        let file = |name: &str| fs::read_to_string(index.with_file_name(plot[name].as_str().expect("a path"))).expect("a file");
+        let file = |name: &str| {
+            fs::read_to_string(index.with_file_name(plot[name].as_str().expect("a path"))).expect("a file")
+        };
         assert!(file("svg").starts_with("<svg") && file("csv").starts_with("series,"), "{plot}");
     }
     let swept = model["plots"][0]["title"].as_str().expect("a plot over the parameter");
@@ -122,11 +126,18 @@ fn loose_images_have_a_page_too() {
     let ran = stage.view(&["a.exr", "b.exr", "other/b.exr", "-o", "page"]);
     assert_eq!((ran.code, ran.out.as_str()), (Some(0), "page/index.html\n"), "{}", ran.err);
     let model = model(&stage.path("page/index.html"));
-    let labels: Vec<&str> = model["images"].as_array().expect("images").iter().filter_map(|one| one["label"].as_str()).collect();
+    let labels: Vec<&str> =
+        model["images"].as_array().expect("images").iter().filter_map(|one| one["label"].as_str()).collect();
     assert_eq!(labels, ["a", "b", "b 2"]);
     let pairs = model["scenes"][0]["pairs"].as_array().expect("pairs");
-    let ratio = |at: usize| pairs[at]["metrics"].as_array().expect("metrics").iter().find(|one| one[0] == "ratio").expect("a ratio")[1].clone();
-    assert!((ratio(0).as_f64().expect("a number") - 1.1).abs() < 1e-5 && (ratio(1).as_f64().expect("a number") - 2.0).abs() < 1e-5);
+    let ratio = |at: usize| {
+        pairs[at]["metrics"].as_array().expect("metrics").iter().find(|one| one[0] == "ratio").expect("a ratio")[1]
+            .clone()
+    };
+    assert!(
+        (ratio(0).as_f64().expect("a number") - 1.1).abs() < 1e-5
+            && (ratio(1).as_f64().expect("a number") - 2.0).abs() < 1e-5
+    );
     let all = files_below(&stage.path("page"));
     for path in &all {
         let text = String::from_utf8_lossy(&fs::read(stage.path("page").join(path)).expect("a file")).into_owned();
@@ -161,7 +172,11 @@ pub fn strange() -> Stage {
         ("nothing finite", Image::filled(16, 12, [f32::NAN; 3])),
         ("grey", Image::filled(16, 12, [0.25; 3])),
     ] {
-        stage.image(&format!("all/scenes/{HOSTILE}/{name}.exr").replace("alert(1)> '&amp; %41 #x ?y ünï ☃ 漢字 \u{202e}/", "alert(1)> '&amp;/"), &image);
+        stage.image(
+            &format!("all/scenes/{HOSTILE}/{name}.exr")
+                .replace("alert(1)> '&amp; %41 #x ?y ünï ☃ 漢字 \u{202e}/", "alert(1)> '&amp;/"),
+            &image,
+        );
     }
     stage
 }
@@ -180,23 +195,33 @@ fn strange_folders_have_a_page_that_says_what_is_strange() {
     }
     let one = Image::filled(16, 12, [0.5; 3]);
     let many: Vec<(String, Image)> = (0..30).map(|at| (format!("layer{at}."), one.clone())).collect();
-    let layers: Vec<(&str, &Image)> = std::iter::once(("", &one)).chain(many.iter().map(|(name, image)| (name.as_str(), image))).collect();
+    let layers: Vec<(&str, &Image)> =
+        std::iter::once(("", &one)).chain(many.iter().map(|(name, image)| (name.as_str(), image))).collect();
     let bytes = layered_bytes(Path::new("many"), &layers, &Provenance::default()).expect("bytes");
     fs::write(folder.join("many layers.exr"), bytes).expect("a file");
     let index = stage.report("all");
     let model = model(&index);
     let images = model["images"].as_array().expect("images");
-    let find = |label: &str| images.iter().find(|one| one["label"] == label).unwrap_or_else(|| panic!("no image {label}"));
+    let find =
+        |label: &str| images.iter().find(|one| one["label"] == label).unwrap_or_else(|| panic!("no image {label}"));
     assert!(find(HOSTILE)["data"].is_object() && find("many layers")["data"].is_object());
     for (label, word) in [("no image", "neither"), ("empty", "empty")] {
         let why = find(label)["why"].as_str().expect("a reason");
-        assert!(find(label)["status"] == "unreadable" && why.contains(word) && !why.contains(stage.path("").to_str().expect("UTF-8")), "{why}");
+        assert!(
+            find(label)["status"] == "unreadable"
+                && why.contains(word)
+                && !why.contains(stage.path("").to_str().expect("UTF-8")),
+            "{why}"
+        );
     }
     assert_eq!(find("broken numbers")["data"]["non_finite"], 3);
     assert_eq!(find("grey")["data"]["grey"], true);
     assert!(find("nothing finite")["data"]["mean"][0].is_null());
     let pairs = model["scenes"][0]["pairs"].as_array().expect("pairs");
-    let size = pairs.iter().find(|pair| pair["b_label"] == "other size").or_else(|| pairs.iter().find(|pair| pair["a_label"] == "other size"));
+    let size = pairs
+        .iter()
+        .find(|pair| pair["b_label"] == "other size")
+        .or_else(|| pairs.iter().find(|pair| pair["a_label"] == "other size"));
     assert!(size.expect("a pair")["refused"].as_str().is_some_and(|why| why.contains("differ in size")));
     let script = fs::read_to_string(index.with_file_name("data").join("index.js")).expect("the data");
     assert!(!script.contains('<'), "no text can end a script");
@@ -213,6 +238,40 @@ fn empty_folders_and_broken_tables_are_told() {
     fs::create_dir(stage.path("broken")).expect("a folder");
     fs::write(stage.path("broken/results.json"), "{\"form\": 1}").expect("a file");
     let ran = run(ltsc().arg("report").arg(stage.path("broken")));
-    assert!(ran.code == Some(3) && ran.err.contains("results.json") && ran.err.contains("move this file away"), "{}", ran.err);
+    assert!(
+        ran.code == Some(3) && ran.err.contains("results.json") && ran.err.contains("move this file away"),
+        "{}",
+        ran.err
+    );
     assert!(!stage.path("broken/page").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn evaluations_make_their_page_and_clean_takes_it_away() {
+    let stage = super::eval::Stage::new();
+    stage.evaluation(&["even", "bright"], "name = \"a\"");
+    let eval = |more: &[&str]| run(stage.command(&["eval", "scenes/eval/a.toml"]).args(more));
+    let page = stage.path("scenes/eval/results/a/page");
+    assert_eq!(eval(&[]).code, Some(1));
+    assert!(!page.exists(), "nobody asked for it");
+    let ran = eval(&["--page"]);
+    assert!(ran.code == Some(1) && ran.err.contains("page/index.html in a browser"), "{}", ran.err);
+    let first = model(&page.join("index.html"));
+    assert_eq!(first["images"].as_array().expect("images").len(), 2);
+    assert_eq!(first["scenes"][0]["pairs"][0]["verdict"], "differ");
+    // A page that is there would show what is no longer so: it is made anew.
+    let text = fs::read_to_string(stage.path("scenes/eval/a.toml")).expect("a file");
+    fs::write(stage.path("scenes/eval/a.toml"), text.replace("{ samples = 16 }", "{ samples = 24 }")).expect("written");
+    assert_eq!(eval(&[]).code, Some(1));
+    assert_eq!(model(&page.join("index.html"))["images"][0]["samples"], 24);
+    // What a person puts into the page's folder stays, and so does the folder.
+    let clean = || run(&mut stage.command(&["clean", "scenes/eval/results", "--keep", "0"]));
+    fs::write(page.join("mine.txt"), "mine").expect("a file");
+    assert_eq!(clean().code, Some(0));
+    assert!(page.join("mine.txt").is_file() && !page.join("index.html").exists());
+    fs::remove_dir_all(stage.path("scenes/eval/results")).expect("removed");
+    assert_eq!(eval(&["--page"]).code, Some(1));
+    assert_eq!(clean().code, Some(0));
+    assert!(!stage.path("scenes/eval/results/a").exists(), "the page goes with its results");
 }

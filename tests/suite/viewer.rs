@@ -39,7 +39,10 @@ fn compare(browser: &mut Browser, name: &str, wanted: &[f32], cpu: bool) {
         assert_eq!(known > 0.5, !wanted.is_nan(), "{name}: pixel {at}");
         let wanted = f64::from(*wanted);
         let off = (found - wanted).abs();
-        assert!(wanted.is_nan() || off <= CLOSE * wanted.abs().max(1.0), "{name}, cpu {cpu}, pixel {at}: {found}, not {wanted}");
+        assert!(
+            wanted.is_nan() || off <= CLOSE * wanted.abs().max(1.0),
+            "{name}, cpu {cpu}, pixel {at}: {found}, not {wanted}"
+        );
     }
 }
 
@@ -89,7 +92,9 @@ fn srgb(linear: f64) -> f64 {
 
 /// Asserts that the canvas shows `wanted` of each pixel of the image, at whole zoom.
 fn shows(browser: &mut Browser, image: (usize, usize), wanted: impl Fn(usize, usize) -> [f64; 3], what: &str) {
-    let at = browser.eval("(() => { const p = ltsc.draw.place(ltsc.draw.panes()[0]); return [p.zoom, p.origin[0], p.origin[1]]; })()");
+    let at = browser.eval(
+        "(() => { const p = ltsc.draw.place(ltsc.draw.panes()[0]); return [p.zoom, p.origin[0], p.origin[1]]; })()",
+    );
     let number = |index: usize| at[index].as_f64().expect("a number");
     let (zoom, left, top) = (number(0), number(1), number(2));
     let (width, height, found) = canvas(browser);
@@ -160,7 +165,9 @@ fn what_is_drawn_is_what_is_said() {
         let place = browser.eval("ltsc.draw.place(ltsc.draw.panes()[0]).origin");
         for y in 4..size.1 - 4 {
             for x in (4..size.0 - 4).filter(|x| apart(*x, y)) {
-                let at = |pixel: usize, axis: usize| ((pixel as f64 + 0.5 - place[axis].as_f64().expect("a number")) * 8.0) as usize;
+                let at = |pixel: usize, axis: usize| {
+                    ((pixel as f64 + 0.5 - place[axis].as_f64().expect("a number")) * 8.0) as usize
+                };
                 if x.abs_diff(size.0 / 2) > 1 {
                     let (found, wanted) = (found[at(y, 1) * width + at(x, 0)], half(x, y));
                     let off = |channel: usize| (f64::from(found[channel]) - 255.0 * wanted[channel]).abs();
@@ -248,7 +255,10 @@ fn keys_pointers_and_links_do_what_the_sheet_says() {
     // What an address says wrongly is not taken.
     browser.open(&index, "#view?scene=nowhere&a=x&b=y&map=z&zoom=abc&ev=1e99&line=1,2&layout=%3Cb%3E");
     assert_eq!(state(&mut browser, "ev"), 40.0);
-    assert_eq!([state(&mut browser, "layout"), state(&mut browser, "map"), state(&mut browser, "line")], [json!("single"), json!("signed"), Value::Null]);
+    assert_eq!(
+        [state(&mut browser, "layout"), state(&mut browser, "map"), state(&mut browser, "line")],
+        [json!("single"), json!("signed"), Value::Null]
+    );
     // The sheet lists every key that does something.
     browser.key("?");
     let sheet = browser.text("document.querySelector('dialog.sheet').textContent");
@@ -341,7 +351,8 @@ fn many_images_are_loaded_where_they_are_looked_at() {
     browser.open(&index, "#view?scene=large&a=a&b=b&show=map&map=relative&zoom=1");
     let found = browser.floats("ltsc.draw.values(false).then((v) => v.numbers)");
     assert_eq!(found.len(), 4 * 900_000);
-    let wanted = (MAPS[2].measure)(&Pair::new(&ramp(1000, 900, 1e-3), &ramp(1000, 900, 2e-3)).expect("a pair")).expect("values");
+    let wanted =
+        (MAPS[2].measure)(&Pair::new(&ramp(1000, 900, 1e-3), &ramp(1000, 900, 2e-3)).expect("a pair")).expect("values");
     assert!(found.chunks_exact(4).zip(&wanted).all(|(found, wanted)| (found[0] - wanted).abs() < 1e-3));
     browser.open(&index, "#view?scene=large&a=a&b=b&zoom=0.25");
     assert_eq!(browser.eval("ltsc.store.loaded().length"), 2);
@@ -353,7 +364,9 @@ fn many_images_are_loaded_where_they_are_looked_at() {
 fn strange_names_and_numbers_are_shown_and_do_nothing() {
     let stage = strange();
     let index = stage.report("all");
-    let Some(mut browser) = Browser::start("strange_names_and_numbers_are_shown_and_do_nothing", WINDOW) else { return };
+    let Some(mut browser) = Browser::start("strange_names_and_numbers_are_shown_and_do_nothing", WINDOW) else {
+        return;
+    };
     browser.open(&index, "");
     let all = browser.text("document.body.textContent");
     assert!(all.contains(HOSTILE) && all.contains(&"long ".repeat(39)), "{all}");
@@ -365,7 +378,11 @@ fn strange_names_and_numbers_are_shown_and_do_nothing() {
     browser.settle();
     let find = |label: &str| format!("ltsc.book.images.findIndex((one) => one.label === {})", json!(label));
     let choose = |browser: &mut Browser, a: &str, b: &str, map: &str| {
-        browser.eval(&format!("ltsc.state.set({{ a: {}, b: {}, show: 'map', map: '{map}', layout: 'single', mev: null }})", find(a), find(b)));
+        browser.eval(&format!(
+            "ltsc.state.set({{ a: {}, b: {}, show: 'map', map: '{map}', layout: 'single', mev: null }})",
+            find(a),
+            find(b)
+        ));
         browser.settle();
     };
     let plain = read(&page_image(&stage, HOSTILE)).expect("an image").0;
@@ -374,7 +391,8 @@ fn strange_names_and_numbers_are_shown_and_do_nothing() {
         for map in MAPS {
             for (a, b, one, two) in [(HOSTILE, name, &plain, &other), (name, HOSTILE, &other, &plain)] {
                 choose(&mut browser, a, b, map.name);
-                let wanted = (map.measure)(&Pair::new(one, two).expect("a pair")).unwrap_or_else(|| vec![f32::NAN; 192]);
+                let wanted =
+                    (map.measure)(&Pair::new(one, two).expect("a pair")).unwrap_or_else(|| vec![f32::NAN; 192]);
                 let cpu = a == HOSTILE;
                 compare(&mut browser, map.name, &wanted, cpu);
             }
@@ -394,7 +412,9 @@ fn strange_names_and_numbers_are_shown_and_do_nothing() {
     let number = browser.eval(&find("grey")).as_u64().expect("a number");
     fs::remove_file(index.with_file_name("data").join(format!("{number}-0.js"))).expect("a file");
     browser.open(&index, &link);
-    browser.until("document.querySelector('.frame .note').textContent.includes('is missing') || (ltsc.draw.layout(), false)");
+    browser.until(
+        "document.querySelector('.frame .note').textContent.includes('is missing') || (ltsc.draw.layout(), false)",
+    );
     let empty = Stage::new();
     fs::create_dir(empty.path("empty")).expect("a folder");
     browser.forget();
@@ -434,7 +454,10 @@ fn nothing_serious_keeps_people_out() {
         browser.send("Emulation.setEmulatedMedia", feature);
         let places = [
             (String::new(), "[...document.querySelectorAll('details')].forEach((one) => (one.open = true))"),
-            (view("&show=map&tiles=1&pin=20,20"), "[...document.querySelectorAll('details')].forEach((one) => (one.open = true))"),
+            (
+                view("&show=map&tiles=1&pin=20,20"),
+                "[...document.querySelectorAll('details')].forEach((one) => (one.open = true))",
+            ),
             (view("&layout=grid&tone=false"), "0"),
             (view(""), "ltsc.sheet()"),
         ];

@@ -224,7 +224,9 @@ pub enum Command {
     )]
     Report(Report),
     /// Make a page for a browser of loose images; the first is what the others are compared with.
-    #[command(after_help = "Examples:\n  ltsc view a.exr b.exr\n  ltsc view reference.exr 16.exr 64.exr 256.exr -o compared --open")]
+    #[command(
+        after_help = "Examples:\n  ltsc view a.exr b.exr\n  ltsc view reference.exr 16.exr 64.exr 256.exr -o compared --open"
+    )]
     View(View),
     /// Remove results of earlier evaluations.
     ///

@@ -43,7 +43,9 @@ fn make(book: Book, folder: &Path, force: bool, open: bool, format: Format) -> R
         let lacks = if missing > 0 { format!(", {missing} missing") } else { String::new() };
         terminal::say(&format!("{}{lacks}, {:.1} MB", plural(images, "image"), bytes as f64 / 1e6));
         if precision < 4 {
-            terminal::say("numbers have 15 bits behind the point instead of 23, since there are many: off by 2^-16 of them at most");
+            terminal::say(
+                "numbers have 15 bits behind the point instead of 23, since there are many: off by 2^-16 of them at most",
+            );
         }
         terminal::print(&format!("{}\n", from_here(&index)));
     }
@@ -56,8 +58,7 @@ fn make(book: Book, folder: &Path, force: bool, open: bool, format: Format) -> R
 /// The page of results that were just written; what goes wrong is told, and spoils nothing else.
 pub fn beside(results: &Path, force: bool, open: bool) -> Option<std::path::PathBuf> {
     let folder = results.join(page::FOLDER);
-    let written = page::of_folder(results)
-        .and_then(|book| page::write(book, &folder, force, &mut Watcher::default()));
+    let written = page::of_folder(results).and_then(|book| page::write(book, &folder, force, &mut Watcher::default()));
     let index = folder.join("index.html");
     match written {
         Ok(_) => {

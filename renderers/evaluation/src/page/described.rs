@@ -29,7 +29,10 @@ mod tests {
         let text = "[[case]]\nname = \"a\"\ndescription = \"b\"\nrenderer = \"x\"\nsettings = { samples = 4 }\n[[case]]\nname = \"c\"\n";
         let found = cases(text);
         assert_eq!((found.len(), found[0].description.as_str(), found[1].settings.as_str()), (2, "b", ""));
-        assert!(found[0].settings.contains("renderer = \"x\"") && found[0].settings.contains("samples = 4"), "{found:?}");
+        assert!(
+            found[0].settings.contains("renderer = \"x\"") && found[0].settings.contains("samples = 4"),
+            "{found:?}"
+        );
         assert!(cases("[[case").is_empty() && cases("case = 1").is_empty());
     }
 }

@@ -10,21 +10,9 @@ use crate::compare::{CompareOptions, compare};
 const NINETY_FIVE: f64 = 1.959_964;
 
 /// Metrics of light, and all but the slowest one of those of what is seen.
-const LIGHT: &[&str] =
-    &["mean-a", "mean-b", "ratio", "rmse", "relative-mse", "mape", "smape", "max-difference"];
-const SEEN: &[&str] = &[
-    "mean-a",
-    "mean-b",
-    "ratio",
-    "rmse",
-    "relative-mse",
-    "mape",
-    "smape",
-    "max-difference",
-    "psnr",
-    "ssim",
-    "flip",
-];
+const LIGHT: &[&str] = &["mean-a", "mean-b", "ratio", "rmse", "relative-mse", "mape", "smape", "max-difference"];
+const SEEN: &[&str] =
+    &["mean-a", "mean-b", "ratio", "rmse", "relative-mse", "mape", "smape", "max-difference", "psnr", "ssim", "flip"];
 
 /// The most pixels of which metrics of what is seen are measured: the viewer shows their maps at any size.
 const QUICK: usize = 1 << 20;
@@ -69,7 +57,8 @@ pub(super) fn measure(pair: &mut Pair, a: &Side, b: &Side, open: bool) {
                 return;
             }
         }
-        pair.refused.get_or_insert("no evaluation has judged these images: there are metrics, and no verdict".to_owned());
+        pair.refused
+            .get_or_insert("no evaluation has judged these images: there are metrics, and no verdict".to_owned());
     }
     let tiles = pair.tiles.get_or_insert_with(|| {
         let fit = |size: usize| GRIDS[0].min(size);
@@ -103,7 +92,8 @@ fn tile(a: &Side, b: &Side, (columns, rows): &Place) -> (Option<f64>, Option<f64
                 sums[side] += pixels[side].iter().map(|value| f64::from(*value)).sum::<f64>();
                 let spread = of.variance.map(|variance| variance.at(x, y)).filter(finite);
                 // Channels of a pixel go up and down together: their standard errors add up.
-                let root = spread.map_or(0.0, |spread| spread.iter().map(|v| f64::from(v.max(0.0)).sqrt()).sum::<f64>());
+                let root =
+                    spread.map_or(0.0, |spread| spread.iter().map(|v| f64::from(v.max(0.0)).sqrt()).sum::<f64>());
                 spreads[side] += root * root;
             }
         }

@@ -306,7 +306,8 @@ mod tests {
 
     #[test]
     fn scripts_make_no_html_of_text_and_load_nothing_from_elsewhere() {
-        let forbidden = ["innerHTML", "outerHTML", "insertAdjacentHTML", "document.write", "eval(", "http:", "fetch(", "XMLHttp"];
+        let forbidden =
+            ["innerHTML", "outerHTML", "insertAdjacentHTML", "document.write", "eval(", "http:", "fetch(", "XMLHttp"];
         for (name, text) in SCRIPTS {
             for word in forbidden {
                 // The name space of SVG is a name, and no address.

@@ -91,7 +91,8 @@ struct Scale {
 
 impl Scale {
     fn new(log: bool, values: impl Iterator<Item = f64>, (start, end): (f64, f64), zero: bool) -> Self {
-        let (mut from, mut to) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
+        let (mut from, mut to) =
+            values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), v| (low.min(v), high.max(v)));
         if zero {
             (from, to) = (0.0, to * 1.05);
         } else if log {
@@ -227,8 +228,12 @@ impl Chart {
                 places.join(" ")
             );
             for point in &series.points {
-                let _written =
-                    writeln!(svg, "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"3\" fill=\"{color}\"/>", x.at(point.0), y.at(point.1));
+                let _written = writeln!(
+                    svg,
+                    "<circle cx=\"{:.1}\" cy=\"{:.1}\" r=\"3\" fill=\"{color}\"/>",
+                    x.at(point.0),
+                    y.at(point.1)
+                );
             }
         }
         if let (Some(slope), Some(first)) = (self.slope, points().next()) {
@@ -334,7 +339,14 @@ impl Chart {
         let ends = self.series.iter().filter_map(|series| {
             let (first, last) = (series.points.first()?, series.points.last()?);
             let round = |value: f64| format!("{value:.3e}");
-            Some(format!("{}: {} at {} to {} at {}", series.name, round(first.1), number(first.0), round(last.1), number(last.0)))
+            Some(format!(
+                "{}: {} at {} to {} at {}",
+                series.name,
+                round(first.1),
+                number(first.0),
+                round(last.1),
+                number(last.0)
+            ))
         });
         ends.collect::<Vec<_>>().join("; ")
     }

@@ -44,11 +44,8 @@ const AGAINST: &[Against] = &[
 pub(super) fn all(model: &mut Model, timing: Option<&Timing>) -> Vec<(String, String)> {
     let mut files = Vec::new();
     for (at, scene) in model.scenes.iter_mut().enumerate() {
-        let runs: Vec<&Run> = timing
-            .iter()
-            .flat_map(|timing| &timing.runs)
-            .filter(|run| run.condition == scene.name)
-            .collect();
+        let runs: Vec<&Run> =
+            timing.iter().flat_map(|timing| &timing.runs).filter(|run| run.condition == scene.name).collect();
         for (quantity, against) in QUANTITIES.iter().flat_map(|one| AGAINST.iter().map(move |other| (one, other))) {
             let chart = falling(&scene.name, &runs, quantity, against);
             if let Some(chart) = chart {
@@ -182,7 +179,10 @@ mod tests {
         let chart = falling("a", &[&run], &QUANTITIES[0], &AGAINST[0]).expect("two points");
         let svg = chart.svg();
         assert!(svg.contains("path &amp; &lt;b&gt;") && svg.contains("slope -1/2") && !svg.contains("<b>"), "{svg}");
-        assert_eq!(chart.csv(), "series,samples per pixel,standard error of a pixel over the mean\npath & <b>,16,0.2\npath & <b>,64,0.1\n");
+        assert_eq!(
+            chart.csv(),
+            "series,samples per pixel,standard error of a pixel over the mean\npath & <b>,16,0.2\npath & <b>,64,0.1\n"
+        );
         assert!(falling("a", &[&run], &QUANTITIES[1], &AGAINST[0]).is_none());
     }
 }
