@@ -199,12 +199,18 @@ fn strange_folders_have_a_page_that_says_what_is_strange() {
         std::iter::once(("", &one)).chain(many.iter().map(|(name, image)| (name.as_str(), image))).collect();
     let bytes = layered_bytes(Path::new("many"), &layers, &Provenance::default()).expect("bytes");
     fs::write(folder.join("many layers.exr"), bytes).expect("a file");
+    // A file of two layers and no picture of its own shows both.
+    let two = [("near.", &Image::filled(16, 12, [0.5; 3])), ("far.", &Image::filled(16, 12, [1.0; 3]))];
+    let bytes = layered_bytes(Path::new("two"), &two, &Provenance::default()).expect("bytes");
+    fs::write(folder.join("two.exr"), bytes).expect("a file");
     let index = stage.report("all");
     let model = model(&index);
     let images = model["images"].as_array().expect("images");
     let find =
         |label: &str| images.iter().find(|one| one["label"] == label).unwrap_or_else(|| panic!("no image {label}"));
     assert!(find(HOSTILE)["data"].is_object() && find("many layers")["data"].is_object());
+    let brightness = |label: &str| find(label)["data"]["mean"][0].as_f64();
+    assert_eq!([brightness("two: near"), brightness("two: far")], [Some(0.5), Some(1.0)]);
     for (label, word) in [("no image", "neither"), ("empty", "empty")] {
         let why = find(label)["why"].as_str().expect("a reason");
         assert!(
