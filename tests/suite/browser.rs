@@ -232,12 +232,6 @@ impl Browser {
         self.settle();
     }
 
-    /// The window as PNG.
-    pub fn picture(&mut self) -> Vec<u8> {
-        let shot = self.send("Page.captureScreenshot", json!({ "format": "png" }));
-        STANDARD.decode(shot["data"].as_str().expect("a picture")).expect("base64")
-    }
-
     /// What the page complains about.
     pub fn problems(&self) -> Vec<String> {
         let words = |event: &Value| {

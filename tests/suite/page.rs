@@ -199,12 +199,18 @@ fn strange_folders_have_a_page_that_says_what_is_strange() {
         std::iter::once(("", &one)).chain(many.iter().map(|(name, image)| (name.as_str(), image))).collect();
     let bytes = layered_bytes(Path::new("many"), &layers, &Provenance::default()).expect("bytes");
     fs::write(folder.join("many layers.exr"), bytes).expect("a file");
+    // A file of two layers and no picture of its own shows both.
+    let two = [("near.", &Image::filled(16, 12, [0.5; 3])), ("far.", &Image::filled(16, 12, [1.0; 3]))];
+    let bytes = layered_bytes(Path::new("two"), &two, &Provenance::default()).expect("bytes");
+    fs::write(folder.join("two.exr"), bytes).expect("a file");
     let index = stage.report("all");
     let model = model(&index);
     let images = model["images"].as_array().expect("images");
     let find =
         |label: &str| images.iter().find(|one| one["label"] == label).unwrap_or_else(|| panic!("no image {label}"));
     assert!(find(HOSTILE)["data"].is_object() && find("many layers")["data"].is_object());
+    let brightness = |label: &str| find(label)["data"]["mean"][0].as_f64();
+    assert_eq!([brightness("two: near"), brightness("two: far")], [Some(0.5), Some(1.0)]);
     for (label, word) in [("no image", "neither"), ("empty", "empty")] {
         let why = find(label)["why"].as_str().expect("a reason");
         assert!(
@@ -244,4 +250,34 @@ fn empty_folders_and_broken_tables_are_told() {
         ran.err
     );
     assert!(!stage.path("broken/page").exists());
+}
+
+#[cfg(unix)]
+#[test]
+fn evaluations_make_their_page_and_clean_takes_it_away() {
+    let stage = super::eval::Stage::new();
+    stage.evaluation(&["even", "bright"], "name = \"a\"");
+    let eval = |more: &[&str]| run(stage.command(&["eval", "scenes/eval/a.toml"]).args(more));
+    let page = stage.path("scenes/eval/results/a/page");
+    assert_eq!(eval(&[]).code, Some(1));
+    assert!(!page.exists(), "nobody asked for it");
+    let ran = eval(&["--page"]);
+    assert!(ran.code == Some(1) && ran.err.contains("page/index.html in a browser"), "{}", ran.err);
+    let first = model(&page.join("index.html"));
+    assert_eq!(first["images"].as_array().expect("images").len(), 2);
+    assert_eq!(first["scenes"][0]["pairs"][0]["verdict"], "differ");
+    // A page that is there would show what is no longer so: it is made anew.
+    let text = fs::read_to_string(stage.path("scenes/eval/a.toml")).expect("a file");
+    fs::write(stage.path("scenes/eval/a.toml"), text.replace("{ samples = 16 }", "{ samples = 24 }")).expect("written");
+    assert_eq!(eval(&[]).code, Some(1));
+    assert_eq!(model(&page.join("index.html"))["images"][0]["samples"], 24);
+    // What a person puts into the page's folder stays, and so does the folder.
+    let clean = || run(&mut stage.command(&["clean", "scenes/eval/results", "--keep", "0"]));
+    fs::write(page.join("mine.txt"), "mine").expect("a file");
+    assert_eq!(clean().code, Some(0));
+    assert!(page.join("mine.txt").is_file() && !page.join("index.html").exists());
+    fs::remove_dir_all(stage.path("scenes/eval/results")).expect("removed");
+    assert_eq!(eval(&["--page"]).code, Some(1));
+    assert_eq!(clean().code, Some(0));
+    assert!(!stage.path("scenes/eval/results/a").exists(), "the page goes with its results");
 }

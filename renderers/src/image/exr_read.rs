@@ -62,6 +62,29 @@ pub(super) fn layer(bytes: &[u8], prefix: &str) -> Result<Option<Image>, Fault> 
     pixels(bytes, &names).map(Some)
 }
 
+/// The names of all layers with channels R, G and B, such as `diffuse`, in the order of the file; nothing where the file has a picture
+/// beside them.
+pub(super) fn layers(bytes: &[u8]) -> Result<Vec<String>, Fault> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(decoder_fault)?;
+    for header in &meta.headers {
+        check(header, bytes.len())?;
+    }
+    if choose(&meta.headers).is_ok() {
+        return Ok(Vec::new());
+    }
+    let mut found: Vec<String> = Vec::new();
+    for header in &meta.headers {
+        let names: Vec<String> = header.channels.list.iter().map(|channel| lossy(channel.name.bytes())).collect();
+        for layer in names.iter().filter_map(|name| name.strip_suffix(".R")) {
+            let whole = ["G", "B"].iter().all(|color| names.iter().any(|name| *name == format!("{layer}.{color}")));
+            if whole && !found.iter().any(|known| known == layer) {
+                found.push(layer.to_owned());
+            }
+        }
+    }
+    Ok(found)
+}
+
 /// The string attributes in front of a file.
 pub(super) fn texts(bytes: &[u8]) -> Result<Attributes, Fault> {
     let (raw, _) = scan(bytes)?;

@@ -91,6 +91,32 @@ pub fn read_layered(path: &Path, prefix: &str) -> Result<(Image, Option<Image>, 
     whole().map_err(|fault| fault.at(path))
 }
 
+/// The names of the layers of an OpenEXR file that has several and no picture that is meant, which [`read`] refuses; nothing of other files.
+///
+/// # Errors
+/// If the file cannot be read or is damaged.
+pub fn layers(path: &Path) -> Result<Vec<String>, ImageError> {
+    let bytes = bytes_of(path)?;
+    if !bytes.starts_with(&attributes::MAGIC) {
+        return Ok(Vec::new());
+    }
+    exr_read::layers(&bytes).map_err(|fault| fault.at(path))
+}
+
+/// A layer of an OpenEXR file by its name, as [`layers`] gives it.
+///
+/// # Errors
+/// As of [`read`], and where there is no such layer.
+pub fn read_layer(path: &Path, name: &str) -> Result<(Image, Attributes), ImageError> {
+    let bytes = bytes_of(path)?;
+    let whole = || -> Result<_, Fault> {
+        let layer = exr_read::layer(&bytes, &format!("{name}."))?;
+        let layer = layer.ok_or_else(|| Fault::new(format!("it has no layer `{name}`"), "name one that it has"))?;
+        Ok((layer, exr_read::texts(&bytes)?))
+    };
+    whole().map_err(|fault| fault.at(path))
+}
+
 /// The string attributes of an OpenEXR file, without its pixels; none of a PFM file.
 ///
 /// # Errors

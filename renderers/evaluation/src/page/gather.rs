@@ -3,12 +3,13 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use ltsc_render::image::{Attributes, Provenance};
+use ltsc_render::image::{self, Attributes, Image, ImageError, Provenance};
 use ltsc_render::regular;
 
 use super::described;
 use super::model::{Fact, Model, Pair, Picture, Row, Scene, Worst};
 use super::write::{FOLDER, is_page};
+use crate::chunk::VARIANCE;
 use crate::compare::verdict::{Stated, Told};
 use crate::compare::{MAPS, METRICS};
 use crate::failure::{Exit, Failure, why};
@@ -30,6 +31,8 @@ pub struct Book {
     pub(super) model: Model,
     /// Where each image lies; none of those that are not there.
     pub(super) paths: Vec<Option<PathBuf>>,
+    /// The layers that are meant, of files that have several and no picture of their own.
+    pub(super) layers: BTreeMap<usize, String>,
     /// Comparisons that no evaluation has made: scene, number in its list.
     pub(super) open: Vec<(usize, usize)>,
     /// How errors fell, where it is known.
@@ -74,7 +77,7 @@ impl Book {
             metrics: metrics.collect(),
             ..Model::default()
         };
-        Self { model, paths: Vec::new(), open: Vec::new(), timing: None, wanted: Vec::new() }
+        Self { model, paths: Vec::new(), layers: BTreeMap::new(), open: Vec::new(), timing: None, wanted: Vec::new() }
     }
 
     /// Adds an image to a scene, with a label that no other one of the scene has.
@@ -92,6 +95,29 @@ impl Book {
         self.model.images.push(picture);
         self.paths.push(path);
         self.paths.len() - 1
+    }
+
+    /// Adds an image, or each layer of a file that has several and no picture of its own.
+    fn add_all(&mut self, scene: usize, picture: &Picture, path: &Path) {
+        // A file that cannot be read is told when its pixels are looked at.
+        let layers = image::layers(path).unwrap_or_default();
+        if layers.is_empty() {
+            self.add(scene, picture.clone(), Some(path.to_path_buf()));
+        }
+        for layer in layers {
+            let label = format!("{}: {layer}", picture.label);
+            let number = self.add(scene, Picture { label, ..picture.clone() }, Some(path.to_path_buf()));
+            self.layers.insert(number, layer);
+        }
+    }
+
+    /// Reads an image, with its variance where the file has one.
+    pub(super) fn read(&self, number: usize) -> Option<Result<(Image, Option<Image>, Attributes), ImageError>> {
+        let path = self.paths[number].as_deref()?;
+        Some(match self.layers.get(&number) {
+            Some(layer) => image::read_layer(path, layer).map(|(image, attributes)| (image, None, attributes)),
+            None => image::read_layered(path, VARIANCE),
+        })
     }
 
     /// Asks for comparisons of the images of a scene that no evaluation has compared, with its reference or its first image.
@@ -129,7 +155,7 @@ pub fn of_files(files: &[PathBuf]) -> Result<Book, Failure> {
         let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
         let facts = vec![Fact("file".to_owned(), name)];
         let picture = Picture { label, kind: "image", status: "done", facts, ..Picture::default() };
-        book.add(0, picture, Some(file.clone()));
+        book.add_all(0, &picture, file);
     }
     book.ask(0);
     Ok(book)
@@ -376,7 +402,7 @@ fn by_hand(book: &mut Book, folder: &Path, folders: &mut BTreeMap<String, usize>
             }),
             ..Picture::default()
         };
-        book.add(at, picture, Some(path));
+        book.add_all(at, &picture, &path);
     }
     Ok(())
 }

@@ -4,13 +4,12 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use ltsc_core::files::Sink;
-use ltsc_render::image::{Image, ImageError, read_layered};
+use ltsc_render::image::{Image, ImageError};
 
 use super::gather::{Book, header};
 use super::measured::{Side, measure};
 use super::model::{Model, Picture};
 use super::{pixels, plots};
-use crate::chunk::VARIANCE;
 use crate::compare::png;
 use crate::disk::{DiskSink, Manifest, unwritable};
 use crate::failure::{Exit, Failure, why};
@@ -90,7 +89,7 @@ impl Held {
         if let Some((image, variance)) = self.images.get(&number) {
             return Some(of(image, variance.as_ref()));
         }
-        let (image, variance, _) = read_layered(book.paths[number].as_deref()?, VARIANCE).ok()?;
+        let (image, variance, _) = book.read(number)?.ok()?;
         Some(of(&image, variance.as_ref()))
     }
 }
@@ -167,9 +166,12 @@ fn data(model: &Model) -> impl Iterator<Item = &super::model::Data> {
 
 /// Reads an image: what it is, and how it came to be.
 fn look(book: &mut Book, number: usize, held: &mut Held) {
+    if book.model.images[number].status != "done" {
+        return;
+    }
+    let Some(found) = book.read(number) else { return };
     let picture = &mut book.model.images[number];
-    let Some(path) = book.paths[number].as_deref().filter(|_| picture.status == "done") else { return };
-    match read_layered(path, VARIANCE) {
+    match found {
         Ok((image, variance, attributes)) if !image.pixels.is_empty() => {
             picture.data = Some(pixels::data(&image, 4));
             // What an evaluation knows of an image is more than its header says.

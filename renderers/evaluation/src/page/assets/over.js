@@ -86,7 +86,7 @@
           context.font = `600 ${line === 0 ? size * 1.15 : size * 0.95}px system-ui, sans-serif`;
           const middle = (y + v) / 2 + (line - (lines.length - 1) / 2) * size * 1.25;
           context.strokeStyle = "rgba(0,0,0,0.8)";
-          context.lineWidth = 3;
+          context.lineWidth = size < 10 ? 2 : 3;
           context.strokeText(text, (x + u) / 2, middle);
           context.fillStyle = color;
           context.fillText(text, (x + u) / 2, middle);
