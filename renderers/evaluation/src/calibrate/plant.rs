@@ -3,7 +3,7 @@
 use ltsc_render::image::Image;
 
 use super::draw::mean;
-use crate::compare::verdict::{DARK, GLARE, GRIDS};
+use crate::compare::verdict::{DARK, GRIDS, glare};
 
 /// Tiles along each side.
 const FINE: usize = GRIDS[0];
@@ -91,7 +91,9 @@ impl Truth {
             return None;
         }
         let mean = change(&mean(pool.iter()));
-        let out = glare(&mean);
+        let light = |pixel: &[f32; 3]| Some(pixel.iter().map(|value| f64::from(*value)).sum::<f64>());
+        // The pixels that the verdict leaves out.
+        let out = glare(&mean.pixels.iter().map(light).collect::<Vec<_>>(), mean.width);
         let all: Vec<Vec<[f64; 3]>> = pool.iter().map(|image| cells(&change(image), &out)).collect();
         let n = pool.len() as f64;
         let cell = |at: usize| {
@@ -131,10 +133,10 @@ impl Truth {
         for (one, other) in self.cells.iter().zip(&b.cells) {
             for c in 0..3 {
                 let scale = one.mean[c].min(other.mean[c]).max(DARK * whole_a[c].min(whole_b[c]));
-                if scale <= 0.0 {
+                let off = (other.mean[c] - one.mean[c]).abs();
+                if scale <= 0.0 || off.is_nan() {
                     continue;
                 }
-                let off = (other.mean[c] - one.mean[c]).abs();
                 let error = (one.variance[c] + other.variance[c]).sqrt();
                 of.share = of.share.max(off / scale);
                 of.proved = of.proved.max((off - 3.0 * error) / scale);
@@ -144,14 +146,7 @@ impl Truth {
     }
 }
 
-/// The pixels that the verdict leaves out: lights seen directly.
-fn glare(mean: &Image) -> Vec<bool> {
-    let light = |pixel: &[f32; 3]| pixel.iter().map(|value| f64::from(*value)).sum::<f64>();
-    let average = mean.pixels.iter().map(light).sum::<f64>() / mean.pixels.len().max(1) as f64;
-    mean.pixels.iter().map(|pixel| light(pixel) > GLARE * average).collect()
-}
-
-/// Means of the finest tiles and of the whole.
+/// Means of the finest tiles and of the whole; not a number where all of one is left out.
 fn cells(image: &Image, out: &[bool]) -> Vec<[f64; 3]> {
     let mut sums = vec![([0.0; 3], 0.0); FINE * FINE + 1];
     for tile in 0..FINE * FINE {
@@ -168,7 +163,7 @@ fn cells(image: &Image, out: &[bool]) -> Vec<[f64; 3]> {
             }
         }
     }
-    sums.into_iter().map(|(sum, count): ([f64; 3], f64)| sum.map(|value| value / count.max(1.0))).collect()
+    sums.into_iter().map(|(sum, count): ([f64; 3], f64)| sum.map(|value| value / count)).collect()
 }
 
 #[cfg(test)]

@@ -44,8 +44,11 @@ pub(crate) const DARK: f64 = 0.1;
 const FAINT: f64 = 0.01;
 
 /// Pixels of the reference brighter than this many times its mean are left out: a light seen directly in a few pixels would
-/// otherwise make the mean (the pools of the lteval suite: six pixels change it by 41 %).
-pub(crate) const GLARE: f64 = 100.0;
+/// otherwise make the mean (the pools of the lteval suite: six pixels change it by 41 %). So are the eight pixels around each of them: the
+/// edge of such a light covers a part of them, and that part is all noise. On veach_mis at 64 x 64 pixels the tile of the smallest light has
+/// an error of 12.7 % with 4096 samples of each side where only the pixels that are bright enough are left out, 5.1 % with all pixels, and
+/// 0.7 % without the edge.
+const GLARE: f64 = 100.0;
 
 /// The largest deviate that is told; without noise every difference has it.
 const CERTAIN: f64 = 1e3;
@@ -465,12 +468,26 @@ fn fourth_around(at: usize, grid: usize, value: &impl Fn(usize) -> f64) -> f64 {
 
 /// Which pixels are left out: those that are not finite in some image, and glare of the reference.
 fn mask(a: &Moments, b: &Moments) -> Vec<bool> {
-    let mut out: Vec<bool> = (0..a.width * a.height).map(|at| a.is_bad(at) || b.is_bad(at)).collect();
-    let light = |at: usize| a.mean(at).iter().sum::<f64>();
-    let kept = out.iter().filter(|out| !**out).count();
-    let mean = (0..out.len()).filter(|at| !out[*at]).map(light).sum::<f64>() / kept.max(1) as f64;
-    for (at, out) in out.iter_mut().enumerate().filter(|(_, out)| !**out) {
-        *out = light(at) > GLARE * mean;
+    let bad = |at: usize| a.is_bad(at) || b.is_bad(at);
+    let light = |at: usize| (!bad(at)).then(|| a.mean(at).iter().sum::<f64>());
+    let all: Vec<Option<f64>> = (0..a.width * a.height).map(light).collect();
+    glare(&all, a.width).into_iter().enumerate().map(|(at, glare)| glare || bad(at)).collect()
+}
+
+/// Which pixels show a light directly, or its edge; of some it is not known how bright they are.
+pub(crate) fn glare(light: &[Option<f64>], width: usize) -> Vec<bool> {
+    let known = light.iter().flatten().count();
+    let mean = light.iter().flatten().sum::<f64>() / known.max(1) as f64;
+    let mut out = vec![false; light.len()];
+    let (width, height) = (width.max(1), light.len() / width.max(1));
+    for (at, light) in light.iter().enumerate() {
+        if light.is_none_or(|light| light <= GLARE * mean) {
+            continue;
+        }
+        let (x, y) = (at % width, at / width);
+        for row in y.saturating_sub(1)..(y + 2).min(height) {
+            out[row * width + x.saturating_sub(1)..row * width + (x + 2).min(width)].fill(true);
+        }
     }
     out
 }
