@@ -26,6 +26,9 @@ const MOST: usize = 10_000;
 /// The largest table of results that is read.
 const LARGEST: u64 = 1 << 28;
 
+/// An image, its variance, and what its header says.
+pub(super) type Read = (Image, Option<Image>, Attributes);
+
 /// A page before its pixels are looked at.
 pub struct Book {
     pub(super) model: Model,
@@ -112,7 +115,7 @@ impl Book {
     }
 
     /// Reads an image, with its variance where the file has one.
-    pub(super) fn read(&self, number: usize) -> Option<Result<(Image, Option<Image>, Attributes), ImageError>> {
+    pub(super) fn read(&self, number: usize) -> Option<Result<Read, ImageError>> {
         let path = self.paths[number].as_deref()?;
         Some(match self.layers.get(&number) {
             Some(layer) => image::read_layer(path, layer).map(|(image, attributes)| (image, None, attributes)),
