@@ -335,7 +335,7 @@ mod tests {
             rows: vec![
                 row(Test::Same, "equal", 1, 0.01, None, 0, 3),
                 row(Test::Same, "equal", 16, 0.01, None, 0, 0),
-                row(Test::Growing, "equal", 16, 0.2, None, 0, 0),
+                Row { pairs: 100, ..row(Test::Growing, "equal", 16, 0.2, None, 0, 0) },
                 row(Test::Growing, "equal", 64, 0.2, None, 200, 0),
                 row(Test::Planted, "one tile +1.5 tolerances", 64, 0.2, Some(0.3), 1, 190),
                 row(Test::Real, "fov", 64, 0.2, Some(0.12), 150, 0),
@@ -371,6 +371,18 @@ mod tests {
         ] {
             assert!(text.contains(line), "{line}\nis not in\n{text}");
         }
+    }
+
+    /// Of few pairs at first and of many later the shares are compared, not the counts.
+    #[test]
+    fn undecided_falls_by_its_share() {
+        let mut scene = scene();
+        let of = |scene: &Scene| scene.bars().into_iter().find(|bar| bar.what.starts_with("`undecided`"));
+        // All of 100, then 130 of 200.
+        scene.rows[3].agree = 70;
+        assert_eq!(of(&scene).expect("a bar").met, Some(true));
+        scene.rows[3].agree = 0;
+        assert_eq!(of(&scene).expect("a bar").met, Some(false));
     }
 
     #[test]

@@ -235,7 +235,7 @@ impl Scene {
         let shown: Vec<String> =
             open.iter().map(|rate| format!("{:.0}", 100.0 * rate.share().unwrap_or(0.0))).collect();
         let fallen = |pair: &[Rate]| pair[1].interval().0 <= pair[0].interval().1;
-        let less = open.first().zip(open.last()).is_some_and(|(first, last)| last.hits < first.hits);
+        let less = open.first().zip(open.last()).is_some_and(|(first, last)| last.share() < first.share());
         Bar {
             what: format!("`undecided` falls with samples, tolerance {:.0} %", 100.0 * tolerance),
             rate: None,
