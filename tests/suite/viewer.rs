@@ -388,7 +388,9 @@ fn strange_names_and_numbers_are_shown_and_do_nothing() {
     let plain = read(&page_image(&stage, HOSTILE)).expect("an image").0;
     for name in ["broken numbers", "all black", "nothing finite", "grey"] {
         let other = read(&page_image(&stage, name)).expect("an image").0;
-        for map in MAPS {
+        // All maps of the strangest numbers, and of the others those that treat them each in a way of its own.
+        let some = ["signed", "relative-squared", "smape", "ssim", "hdr-flip"];
+        for map in MAPS.iter().filter(|map| name == "broken numbers" || some.contains(&map.name)) {
             for (a, b, one, two) in [(HOSTILE, name, &plain, &other), (name, HOSTILE, &other, &plain)] {
                 choose(&mut browser, a, b, map.name);
                 let wanted =

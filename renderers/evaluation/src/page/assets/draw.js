@@ -33,7 +33,7 @@
           const title = `${scene.name}: `;
           if (q === null && now.show !== "a") return { kind: "none", title: title + (picture(b)?.label ?? "–"), why: "this scene has no such image", at };
           if (now.show === "map") return { ...map(p, q, title + versus(p, q)), at };
-          return { ...image(shown), title: title + (picture(shown)?.label ?? "–"), at };
+          return { ...image(shown), title: title + (picture(shown)?.label ?? "–"), at, like: p };
         });
       }
       const images = ltsc.book.scenes[now.scene].images;
@@ -77,7 +77,7 @@
         return { ...one, figure, canvas, note, caption, seen: S.now.layout !== "grid" };
       });
     } else {
-      panes = wanted.map((one, at) => ({ ...panes[at], pick: undefined, ...one }));
+      panes = wanted.map((one, at) => ({ ...panes[at], pick: undefined, at: undefined, like: undefined, ...one }));
     }
     stage.className = `stage ${S.now.layout}`;
     stage.style.setProperty("--columns", String(columns()));
@@ -143,7 +143,7 @@
     const data = picture(pane.a).data;
     const map = pane.kind === "map";
     const signed = now.map === "signed" || now.map === "relative";
-    const gain = map ? now.mev ?? S.auto(now.map, pane.a, pane.b) : S.exposure();
+    const gain = map ? now.mev ?? S.auto(now.map, pane.a, pane.b) : S.exposure(pane.like);
     const shown = picture(pane.a).data.exposure;
     let values = null;
     if (map && SLOW.includes(now.map)) {

@@ -195,8 +195,11 @@
     });
   }
 
-  /** Stops at which images are shown. */
-  const exposure = () => state.ev ?? (there(state.a) ? ltsc.book.images[state.a].data.exposure : 0);
+  /** Stops at which images are shown: those that are chosen, or of A; of another scene's A where all scenes are seen at once. */
+  const exposure = (like) => {
+    const a = like ?? state.a;
+    return state.ev ?? (there(a) ? ltsc.book.images[a].data.exposure : 0);
+  };
 
   ltsc.state = {
     get now() {
