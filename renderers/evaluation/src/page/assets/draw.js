@@ -126,7 +126,8 @@
     const frame = pane.canvas.parentElement;
     const [w, h] = [Math.max(frame.clientWidth, 1), Math.max(frame.clientHeight, 1)];
     const whole = Math.min(w / data.width, h / data.height);
-    const fit = whole > 1 ? Math.floor(whole) : whole;
+    // Pixels of one size, unless that leaves much of the pane empty.
+    const fit = whole > 1 && Math.floor(whole) > 0.8 * whole ? Math.floor(whole) : whole;
     const zoom = S.now.zoom ?? fit;
     const ratio = window.devicePixelRatio || 1;
     // Borders of pixels lie on borders of pixels of the screen.

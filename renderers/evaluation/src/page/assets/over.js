@@ -77,7 +77,7 @@
         context.globalAlpha = word === "agree" || !word ? 0.55 : 1;
         context.strokeRect(x + 1, y + 1, u - x - 2, v - y - 2);
         context.globalAlpha = 1;
-        if (u - x < (word === "agree" ? 30 : 16)) continue;
+        if (u - x < (word === "agree" ? 38 : 16)) continue;
         const ratio = ratios[row * columns + column];
         const size = Math.min((u - x) / 4.2, 15);
         const lines = [ltsc.verdict(word)[1]];
