@@ -415,6 +415,28 @@ fn budgets_render_further_chunks() {
 }
 
 #[test]
+fn times_are_taken_alone_where_they_are_to_be_compared() {
+    let stage = Stage::new();
+    stage.evaluation(&["even", "bright"], "name = \"a\"");
+    let timing = || json(&stage.path("scenes/eval/results/a/timing.json"))["runs"][0].clone();
+    assert_eq!(stage.eval(&["--jobs", "2"]).code, Some(1));
+    assert_eq!((stage.calls(), timing()["cost"]["at_once"].as_u64()), (16, Some(2)));
+    assert_eq!(
+        timing()["cost"]["threads"].as_u64(),
+        Some(1.max(std::thread::available_parallelism().map_or(1, usize::from) as u64 / 2))
+    );
+    // What was rendered beside others is rendered again, once.
+    assert_eq!(stage.eval(&["--timing"]).code, Some(1));
+    assert_eq!((stage.calls(), timing()["cost"]["at_once"].as_u64()), (32, Some(1)));
+    assert_eq!(stage.eval(&["--timing"]).code, Some(1));
+    assert_eq!(stage.calls(), 32);
+    let group = timing()["group"].as_str().expect("a group").to_owned();
+    assert!(group.contains("1 at once") && group.contains("cores"), "{group}");
+    assert_eq!(timing()["efficiency"].as_f64().map(|one| one > 0.0), Some(true));
+    assert_eq!(stage.eval(&["--timing", "--jobs", "2"]).code, Some(2));
+}
+
+#[test]
 fn earlier_results_are_cleaned_and_nothing_else() {
     let stage = Stage::new();
     stage.evaluation(&["even"], "name = \"a\"");
@@ -460,4 +482,185 @@ fn a_configuration_of_lteval_becomes_an_evaluation_that_loads() {
     assert!(ran.out.contains("scenes") && ran.out.contains("[renderers."), "{}{}", ran.out, ran.err);
     let ran = run(&mut stage.command(&["eval", "--from-lteval", "nothing.py"]));
     assert_eq!(ran.code, Some(3), "{}", ran.err);
+}
+
+#[test]
+fn images_made_by_hand_are_awaited_and_taken_when_they_are_there() {
+    let stage = Stage::new();
+    stage.evaluation(
+        &["even"],
+        "name = \"a\"\n[renderers.own]\ntarget = \"gltf\"\nmanual = true\n[[case]]\nname = \"even\"\nrenderer = \"even\"\n[[case]]\nname = \
+         \"own\"\nrenderer = \"own\"\n[compare]\ntiles = 1\ntolerance = 0.1\nmean_tolerance = 0.1",
+    );
+    let ran = stage.eval(&[]);
+    assert_eq!(ran.code, Some(0), "{}{}", ran.out, ran.err);
+    assert!(ran.err.contains("results/manual/a/one/own.exr"), "{}", ran.err);
+    let manual = stage.path("scenes/eval/results/manual/a/one");
+    assert!(manual.join("own/one.gltf").is_file(), "{:?}", files_below(&manual));
+    let status = || stage.results()["conditions"][0]["runs"][1]["status"].clone();
+    assert_eq!(status(), "awaited");
+    // One image has metrics, several have a verdict.
+    fs::copy(stage.path("even/9.exr"), manual.join("own.exr")).expect("copied");
+    assert_eq!(stage.eval(&[]).code, Some(0));
+    let pair = || stage.results()["conditions"][0]["pairs"][0].clone();
+    assert_eq!(status(), "done");
+    assert!(pair()["verdict"].is_null() && !pair()["metrics"].as_array().expect("metrics").is_empty());
+    for at in 1..5 {
+        fs::copy(stage.path(&format!("even/{}.exr", 9 + at)), manual.join(format!("own-{at}.exr"))).expect("copied");
+    }
+    assert_eq!(stage.eval(&[]).code, Some(0));
+    assert_eq!(pair()["verdict"]["outcome"], "agree", "{}", pair());
+    assert_eq!(stage.calls(), 8);
+}
+
+#[test]
+fn a_program_without_a_driver_is_called_by_its_command() {
+    let stage = Stage::new();
+    let body =
+        format!("#!/bin/sh\necho \"$@\" >> {0}/calls\ncp {0}/even/$3.exr \"$1\"\n", stage.folder.path().display());
+    fs::write(stage.path("scenes/eval/fork"), body).expect("a program");
+    fs::set_permissions(stage.path("scenes/eval/fork"), fs::Permissions::from_mode(0o755)).expect("rights");
+    let evaluation = |command: &str, seed: u32| {
+        stage.evaluation(
+            &[],
+            &format!(
+                "name = \"a\"\nchunks = 4\n[renderers.fork]\ntarget = \"gltf\"\npath = \"fork\"\noptions = [\"-q\"]\ncommand = \
+                 \"{command}\"\n[[case]]\nname = \"x\"\nrenderer = \"fork\"\n[[case]]\nname = \"y\"\nrenderer = \"fork\"\nsettings = {{ seed = {seed} }}"
+            ),
+        );
+        stage.eval(&[])
+    };
+    let ran = evaluation("{exe} {out} {scene} {seed} {samples} {options}", 8);
+    assert_eq!(ran.code, Some(0), "{}{}", ran.out, ran.err);
+    let calls = fs::read_to_string(stage.path("calls")).expect("calls");
+    assert_eq!(calls.lines().count(), 8);
+    assert!(calls.lines().all(|line| line.ends_with(" 4 -q") && line.contains("one.gltf")), "{calls}");
+    // Without a seed there is one image, and no verdict.
+    let ran = evaluation("{exe} {out} {scene} 3 {samples} {options}", 0);
+    assert_eq!(ran.code, Some(0), "{}{}", ran.out, ran.err);
+    assert!(ran.err.contains("evaluation-seeds"), "{}", ran.err);
+    let pair = &stage.results()["conditions"][0]["pairs"][0];
+    assert!(pair["verdict"].is_null() && pair["refused"].as_str().is_some_and(|why| why.contains("noise")), "{pair}");
+}
+
+#[test]
+fn a_scene_is_reduced_to_what_the_difference_needs() {
+    use ltsc_core::ir::Scene;
+    use ltsc_evaluation::chunk::Store;
+    use ltsc_evaluation::compare::verdict::{Outcome, Tolerance};
+    use ltsc_evaluation::job::Runner;
+    use ltsc_evaluation::reduce::{Question, write};
+    use ltsc_evaluation::watch::Unwatched;
+
+    let stage = Stage::new();
+    // It renders what it is given as the other one does, but for one shape.
+    stage.renderer("picky", "set=even; if cat $(dirname $main)/*.pbrt | grep -q culprit; then set=bright; fi\ncp $here/$set/$seed.exr \"$out\"");
+    let more: String =
+        (0..6).map(|at| format!("shape s{at} = box(size: 0.1) |> translate({at}, 0, 0) with diffuse(0.2)\n")).collect();
+    let text = fs::read_to_string(stage.path("scenes/one.lts")).expect("a scene");
+    let text = format!("{text}{more}shape culprit = box(size: 0.2) |> translate(0, 3, 0) with mirror(0.9)\n");
+    fs::write(stage.path("scenes/two.lts"), text.replace("scene one", "scene two")).expect("a scene");
+    let scene: Scene = super::prepared(&super::Disk(stage.folder.path().to_path_buf()), "scenes/two.lts").into_inner();
+    let driver = ltsc_render::run::driver("pbrt-r4").expect("a driver");
+    let find = |name: &str| {
+        Runner::find(driver, Some(&stage.path(&format!("scenes/eval/{name}"))), None, None).expect("a program")
+    };
+    let (even, picky, bright) = (find("even"), find("picky"), find("bright"));
+    let store = Store::at(stage.path("cache/chunks"));
+    let question = |a, b| Question {
+        a,
+        b,
+        samples: 16,
+        tolerance: Tolerance { tiles: 0.05, whole: 0.05 },
+        tiles: 1,
+        store: &store,
+    };
+    let reduced = question(&even, &picky).reduce(scene.clone(), &mut Unwatched).expect("a difference");
+    let names: Vec<&str> = reduced.shown.scene.shapes.values().map(|shape| shape.name.as_str()).collect();
+    assert_eq!((names, reduced.things), (vec!["culprit"], (8, 1)), "{:?}", reduced.steps);
+    assert_eq!(reduced.shown.verdict.outcome, Outcome::Differ);
+    assert!(reduced.steps.iter().any(|step| step.contains("grey diffuse")), "{:?}", reduced.steps);
+    assert_eq!(reduced.shown.scene.integrator.max_depth(), 1);
+    let folder = stage.path("report");
+    write(&reduced, &folder, false).expect("written");
+    let files = files_below(&folder);
+    for name in ["report.md", "verdict.json", "difference.png", "pbrt-r4-a.exr", "pbrt-r4-b/scene.pbrt"] {
+        assert!(files.iter().any(|file| file == name), "{name}: {files:?}");
+    }
+    let report = fs::read_to_string(folder.join("report.md")).expect("a report");
+    assert!(report.contains("`culprit`: diffuse") && report.contains("**differ**"), "{report}");
+    // What differs everywhere needs nothing; what does not differ is refused.
+    let all = question(&even, &bright).reduce(scene.clone(), &mut Unwatched).expect("a difference");
+    assert_eq!(all.things.1, 1, "{:?}", all.steps);
+    let same = question(&even, &even).reduce(scene, &mut Unwatched).err().expect("no difference");
+    assert!(same.message.contains("do not differ"), "{}", same.message);
+}
+
+/// On small file systems in memory, which only root may make.
+#[test]
+fn a_full_disk_ends_an_evaluation_and_the_next_one_goes_on() {
+    let stage = Stage::new();
+    stage.evaluation(&["even", "bright"], "name = \"a\"");
+    let undisturbed = run(stage
+        .command(&["eval", "scenes/eval/a.toml", "-o", "undisturbed"])
+        .env("LTSC_CACHE", stage.path("another cache")));
+    assert_eq!((undisturbed.code, stage.calls()), (Some(1), 16), "{}", undisturbed.err);
+    let mount = |options: &str, place: &Path| {
+        let mut command = Command::new("mount");
+        command.args(["-t", "tmpfs", "-o", options, "tmpfs"]).arg(place);
+        command.stderr(Stdio::null()).status().is_ok_and(|status| status.success())
+    };
+    let results = stage.path("scenes/eval/results");
+    for (place, size) in [(stage.path("cache"), "size=48k"), (results.clone(), "size=24k")] {
+        fs::create_dir_all(&place).expect("a folder");
+        if !cfg!(target_os = "linux") || !mount(size, &place) {
+            return super::skip("full disks", "the right to mount");
+        }
+        let before = stage.calls();
+        let ran = stage.eval(&[]);
+        // What is there is whole; more room, and it goes on.
+        let whole = !results.join("a").exists() || results.join("a/results.json").exists();
+        let grown = mount("remount,size=4m", &place);
+        let again = stage.eval(&[]);
+        let same = bytes(&results.join("a")) == bytes(&stage.path("undisturbed"));
+        let left = files_below(&results);
+        fs::remove_dir_all(results.join("a")).expect("removed");
+        let unmounted = Command::new("umount").arg(&place).status().is_ok_and(|status| status.success());
+        assert!(grown && unmounted);
+        assert_eq!(ran.code, Some(4), "{}{}", ran.out, ran.err);
+        assert!(ran.err.contains("space"), "{}", ran.err);
+        assert!(whole, "half a folder of results");
+        assert_eq!(again.code, Some(1), "{}", again.err);
+        // Nothing was rendered twice but what did not find room.
+        assert!(stage.calls() - before <= 16 + 2, "{} calls", stage.calls() - before);
+        assert!(same && left.iter().all(|file| file.starts_with("a/")), "{left:?}");
+    }
+}
+
+/// Those that take the least time; the others have the same renderers.
+#[test]
+#[ignore = "long: renders examples with real renderers"]
+fn examples_are_carried_out_by_real_renderers() {
+    let listed = run(ltsc().args(["renderers", "list", "--format", "json"]));
+    let list: Value = serde_json::from_str(&listed.out).expect("JSON");
+    for name in ["mitsuba-3", "luxcore", "cycles", "pbrt-r4"] {
+        let all = list["renderers"].as_array().expect("a list");
+        if !all.iter().any(|one| one["name"] == name && one["status"] == "installed") {
+            return super::skip("examples of evaluations", &format!("`ltsc renderers install {name}`"));
+        }
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    for name in ["parameter_types", "together"] {
+        let file = super::root().join(format!("scenes-src/eval/{name}.toml"));
+        let out = folder.path().join(name);
+        let ran = run(ltsc().arg("eval").arg(file).arg("-o").arg(&out).arg("--keep-going"));
+        assert!(matches!(ran.code, Some(0 | 1)), "{name}: {}{}", ran.out, ran.err);
+        let results = json(&out.join("results.json"));
+        let runs = results["conditions"]
+            .as_array()
+            .expect("conditions")
+            .iter()
+            .flat_map(|one| one["runs"].as_array().expect("runs"));
+        assert!(runs.into_iter().all(|run| run["status"] == "done"), "{name}: {results}");
+    }
 }

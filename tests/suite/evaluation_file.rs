@@ -98,6 +98,7 @@ fn nothing_is_wrong_with_shipped_evaluations() {
         ("parameter_types.toml", 3, 2),
         ("sweep.toml", 10, 5),
         ("together.toml", 10, 6),
+        ("worked.toml", 13, 10),
     ];
     let runs: Vec<(&str, usize, usize)> =
         runs.iter().map(|(path, runs, pairs)| (path.as_str(), *runs, *pairs)).collect();

@@ -4,6 +4,7 @@ mod agree;
 mod audit;
 mod blender;
 mod browser;
+mod calibrate;
 mod cases;
 mod chunks;
 mod cli;

@@ -22,6 +22,8 @@ fn commands(place: &Path, program: &str) -> Vec<Vec<String>> {
     let (folder, file) = (place.join("deep/out"), |name: &str| place.join(name).display().to_string());
     let folder = folder.display().to_string();
     let render = ["render", "scenes-src/one.lts", "--renderer", "pbrt-r4", "--executable", program, "--samples", "1"];
+    let reference =
+        ["reference", "scenes-src/one.lts", "--renderer", "pbrt-r4", "--executable", program, "--size", "16"];
     let agree = ["agree", "--renderer", "mitsuba-3,luxcore", "--samples", "1", "--size", "8"];
     let words = |first: &[&str], more: &[&str]| [first, more].concat().iter().map(|word| (*word).to_owned()).collect();
     vec![
@@ -35,6 +37,11 @@ fn commands(place: &Path, program: &str) -> Vec<Vec<String>> {
         words(&["init"], &[&folder]),
         words(&render, &["-o", &file("a.exr")]),
         words(&render, &["-o", "a.exr", "--log", &file("a.log")]),
+        words(&reference, &["-o", &folder]),
+        words(
+            &["reference", "add", "gray.exr", "--scene", "scenes-src/one.lts", "--renderer", "a", "--by", "b", "-o"],
+            &[&folder],
+        ),
         words(&agree, &["--record", &file("a.json")]),
         words(&agree, &["--keep", &folder]),
         words(&["conventions", "--renderer", "pbrt-r4", "--executable", program, "--only", "mirror", "-o"], &[&folder]),
@@ -114,8 +121,8 @@ fn what_is_missing_of_a_place_is_made() {
     let folder = project();
     let program = renderer(folder.path());
     for words in commands(&folder.path().join("new/deeper"), &program) {
-        // These two need renderers.
-        if words[0] == "agree" {
+        // These need renderers, and one with noise.
+        if words[0] == "agree" || words[..2] == ["reference", "scenes-src/one.lts"] {
             continue;
         }
         let ran = at(folder.path(), &words);

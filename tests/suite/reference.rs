@@ -180,6 +180,10 @@ fn a_renderer_that_fails_on_its_way_leaves_what_was_good() {
     assert_eq!(ran.code, Some(4), "{}", ran.err);
     assert!(ran.err.contains("it fails") && ran.err.contains("written"), "{}", ran.err);
     assert_eq!((stage.calls(), stage.listed()["about"]["images"].as_u64()), (11, Some(10)));
+    let ran = run(&mut stage.render(&["--format", "json"]));
+    let document: Value = serde_json::from_str(&ran.out).expect("one document");
+    let message = document["error"]["message"].as_str().expect("a message");
+    assert!(ran.code == Some(4) && message.contains("it fails") && document["chunks"] == 10, "{}", ran.out);
 }
 
 #[test]
@@ -357,6 +361,25 @@ fn what_is_no_image_of_the_scene_is_not_taken_in() {
     assert!(!stage.path("references").exists());
 }
 
+/// Those that a checkout has: images of its own scenes, which a change of one makes stale, and no more than fits.
+#[test]
+fn shipped_ones_are_whole_and_small() {
+    let ran = run(ltsc().args(["reference", "list", "--format", "json"]));
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let document: Value = serde_json::from_str(&ran.out).expect("JSON");
+    let entries = document["references"].as_array().expect("a list");
+    let mut bytes = 0;
+    for entry in entries.iter().filter(|entry| entry["state"] != "missing") {
+        assert!(entry["state"] == "fresh" || entry["state"] == "stale", "{entry:#}");
+        let (stored, error) = (&entry["about"]["stored"], &entry["about"]["error"]["tiles"]);
+        let (change, error) = (stored["change"].as_f64().expect("a number"), error.as_f64().expect("a number"));
+        assert!(change <= 0.1 * error && error < 0.05, "{entry:#}");
+        let file = entry["file"].as_str().expect("a path");
+        bytes += fs::metadata(file).expect("a file").len();
+    }
+    assert!(bytes <= 20_000_000, "{bytes} bytes");
+}
+
 #[test]
 fn pictures_of_the_catalogue_are_those_of_references() {
     let stage = Stage::new();
@@ -382,6 +405,7 @@ fn pictures_of_the_catalogue_are_those_of_references() {
         let size = if scene.is_some() { "16" } else { "32" };
         let ran = run(stage.ltsc(&["doc", "--render", "--size", size]).env("PATH", "/bin:/usr/bin"));
         assert!(ran.code == Some(0) && !ran.err.contains("pictures of what is kept"), "{}", ran.err);
+        assert_eq!(ran.err.contains("is stale and not shown"), scene.is_some(), "{}", ran.err);
     }
     assert_eq!(stage.calls(), calls);
 }

@@ -1,5 +1,6 @@
 //! The command line: what people type, with examples.
 
+mod calibrate;
 mod reference;
 
 use std::path::PathBuf;
@@ -9,6 +10,7 @@ use clap::error::ErrorKind;
 use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
+pub use calibrate::Calibrate;
 pub use reference::{Reference, ReferenceAction, ReferenceAdd, ReferenceList};
 
 const EXIT_CODES: &str = "\
@@ -72,7 +74,7 @@ pub fn command() -> clap::Command {
     let names: Vec<String> = command.get_subcommands().map(|one| one.get_name().to_owned()).collect();
     // One that is changed goes to the end, so that all of them go there in their order.
     for name in names {
-        let own = matches!(name.as_str(), "agree" | "eval" | "reference" | "similar");
+        let own = matches!(name.as_str(), "agree" | "eval" | "reduce" | "reference" | "similar");
         command = command.mut_subcommand(name, |one| if own { form(one) } else { one });
     }
     command
@@ -104,7 +106,8 @@ fn unfit(matches: &ArgMatches) -> Option<String> {
     }
     let flag = |name: &str| inner.try_get_one::<bool>(name).ok().flatten().copied().unwrap_or(false);
     let findings = matches!(format, Format::Sarif | Format::Github);
-    if ["diff", "agree", "eval", "clean", "similar", "list", "add", "reference", "conventions"].contains(&name)
+    if ["diff", "agree", "eval", "clean", "reduce", "similar", "list", "add", "reference", "conventions", "calibrate"]
+        .contains(&name)
         && findings
     {
         return Some(format!(
@@ -244,11 +247,19 @@ pub enum Command {
         after_help = "Examples:\n  ltsc reference scenes-src/cbox_classic.lts --renderer mitsuba-3\n  ltsc reference scenes-src/ring.lts --renderer mitsuba-3 --integrator light_tracing --error 1% --budget 10m\n  ltsc reference list --check                    (exit 1 if one is stale)\n  ltsc reference add ring.exr --scene scenes-src/ring.lts --renderer mitsuba-0.5 --by \"the thesis, 2020\""
     )]
     Reference(Reference),
+    /// Make a scene as small as it can be while two renderers still differ on it.
+    ///
+    /// Takes out surfaces, instances and lights, makes materials plainer and paths shorter, and renders what is left after each step. The
+    /// result is a folder to attach to a report of the fault: the scene for both renderers, images, verdict, versions. Exit code 1: they do not differ.
+    #[command(
+        after_help = "Examples:\n  ltsc reduce scenes-src/surfaces.lts --renderer mitsuba-3,cycles\n  ltsc reduce scene.lts --renderer mitsuba-3,luxcore --samples 4096 --size 32 -o report"
+    )]
+    Reduce(Box<Reduce>),
     /// List and install renderers.
     Renderers(Renderers),
     /// Show what the user's cache holds, and remove what is old: renderings in chunks, and installations.
     ///
-    /// Images that `eval`, and `render` with many samples, take apart into chunks are kept there by what was rendered, so that nothing is
+    /// Images that `eval` and `reference`, and `render` with many samples, take apart into chunks are kept there by what was rendered, so that nothing is
     /// rendered twice. All of it can be made again. The folder is $LTSC_CACHE, else the cache folder of the user.
     #[command(
         after_help = "Examples:\n  ltsc cache\n  ltsc cache prune --days 30\n  ltsc cache prune --days 0   (all chunks)"
@@ -264,6 +275,16 @@ pub enum Command {
         after_help = "Examples:\n  ltsc conventions --list\n  ltsc conventions --renderer mitsuba-3\n  ltsc conventions --renderer luxcore --only path_depth,conductor_alpha\n  ltsc conventions --renderer cycles --executable blender --format json\n  ltsc conventions --renderer mitsuba-3,luxcore,cycles -o docs   (keeps the numbers, writes docs/renderers.md)\n  ltsc conventions -o docs --stored --check   (exit 1 if the page is stale)"
     )]
     Conventions(Conventions),
+    /// Count how often the verdict of `agree` and `eval` is wrong, for people who change its statistics.
+    ///
+    /// Pairs of images are drawn from pools of chunks of real renderings (Mitsuba 3, 64 x 64 pixels, 16 samples), with something planted in
+    /// one of them or not, and the verdicts are counted. It needs ltsc's own scenes. Chunks are kept in the cache, so that a run that is
+    /// ended goes on; the first one renders for half an hour and more on two cores. Counting takes four minutes of one core for a
+    /// scene in a build without optimization, half a minute with it.
+    #[command(
+        after_help = "Examples:\n  ltsc calibrate -o docs   (counts, writes docs/calibration.json and docs/calibration.md)\n  ltsc calibrate --only ring -o docs\n  ltsc calibrate --only cbox_classic --kept --pairs 200   (a quick look, with what was rendered before)\n  ltsc calibrate -o docs --stored --check   (exit 1 if the page is stale)"
+    )]
+    Calibrate(Calibrate),
     /// Explain a finding, a word of the language, or a target.
     #[command(
         after_help = "Examples:\n  ltsc explain smooth-emitter\n  ltsc explain diffuse\n  ltsc explain --target luxcore\n  ltsc explain            (lists what can be explained)"
@@ -686,6 +707,37 @@ pub struct Clean {
     /// How the result is printed.
     #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
     pub format: Format,
+}
+
+#[derive(Args, Debug)]
+pub struct Reduce {
+    /// The scene file.
+    pub scene: PathBuf,
+    /// The two renderers, the reference first.
+    #[arg(long, value_name = "A,B", value_delimiter = ',', required = true)]
+    pub renderer: Vec<String>,
+    /// The folder to write [default: `./<scene>-reduced`].
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// Write also over files that ltsc did not write, or that were changed since.
+    #[arg(long)]
+    pub force: bool,
+    /// Width and height of the images in pixels, where `--width` and `--height` say nothing.
+    #[arg(long, value_name = "PIXELS", default_value_t = 64, value_parser = clap::value_parser!(u32).range(8..=4096))]
+    pub size: u32,
+    /// How much a tile may differ in each channel (0.05 is 5 %), plus the bounds that targets state for the scene.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share)]
+    pub tolerance: f64,
+    /// How much the whole image may differ in each channel, plus the same bounds.
+    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share)]
+    pub mean_tolerance: f64,
+    /// Tiles along each side of the image.
+    #[arg(long, value_name = "N", default_value_t = 8, value_parser = PossibleValuesParser::new(["1", "2", "4", "8"]).try_map(|text| text.parse::<u32>()))]
+    pub tiles: u32,
+    #[command(flatten)]
+    pub settings: Settings,
+    #[command(flatten)]
+    pub findings: Findings,
 }
 
 #[derive(Args, Debug)]

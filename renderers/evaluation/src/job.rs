@@ -4,11 +4,11 @@
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-use ltsc_core::capability::{Support, algorithm};
+use ltsc_core::capability::{self, Support, algorithm};
 use ltsc_core::formats::effective::Effective;
 use ltsc_core::formats::statements::{self, Statements};
 use ltsc_core::formats::{self, Choices, Target};
-use ltsc_core::ir::{Camera, Handle, Scene};
+use ltsc_core::ir::{Camera, Handle, Integrator, Scene};
 use ltsc_core::ledger::{self, Ledger};
 use ltsc_core::pipeline;
 use ltsc_core::valid::Valid;
@@ -140,6 +140,15 @@ impl Runner {
 }
 
 impl Runner {
+    /// Nothing that is run: files are written for it, and somebody else renders them.
+    #[must_use]
+    pub fn manual(driver: &'static Driver) -> Self {
+        let env = Env::of_process();
+        let found = Found { path: PathBuf::new(), version: String::new(), source: Source::Given };
+        let (cache, options) = (CachePaths::find(&env), Vec::new());
+        Self { driver, found, threads: None, timeout: None, env, cache, options, command: None, mark: None }
+    }
+
     /// A program that is called by a command: what is `given`, or found for the driver. It is not asked for its version; what tells one from
     /// another is the content of its file.
     ///
@@ -213,15 +222,29 @@ impl Default for Writing<'_> {
 /// # Errors
 /// As of [`Job::new`].
 pub fn content(scene: &Valid, target: &'static Target, writing: &Writing<'_>) -> Result<String, Failure> {
-    write(scene, target, writing).map(|(_, content, _)| content.to_hex().to_string())
+    write(scene, target, writing).map(|written| written.content.to_hex().to_string())
+}
+
+/// A scene in a folder of its own: a hash of its files, what they mean, and the features that they use.
+struct Written {
+    work: Folder,
+    content: blake3::Hash,
+    effective: Option<Effective>,
+    features: Vec<String>,
+}
+
+/// The features of a scene by their names, with the algorithm that its files really have.
+fn used(scene: &Scene, effective: Option<&Effective>) -> Vec<String> {
+    let own = algorithm(&scene.integrator).0;
+    let native = effective.and_then(|effective| effective.algorithm);
+    let native = native.and_then(|native| Integrator::of_word(native.family, scene.integrator.max_depth()));
+    let of = native.map_or(own, |native| algorithm(&native).0);
+    let all = capability::features(scene).into_iter().map(|(feature, _)| feature);
+    all.map(|feature| if feature == own { of } else { feature }).map(|feature| feature.name().to_owned()).collect()
 }
 
 /// Writes a scene for a target into a folder of its own, and reads it back.
-fn write(
-    scene: &Valid,
-    target: &'static Target,
-    writing: &Writing<'_>,
-) -> Result<(Folder, blake3::Hash, Option<Effective>), Failure> {
+fn write(scene: &Valid, target: &'static Target, writing: &Writing<'_>) -> Result<Written, Failure> {
     let work = Folder::new().map_err(|error| no_temporary(&error))?;
     let camera = writing
         .camera
@@ -247,9 +270,11 @@ fn write(
     }
     // The ledger is for people.
     let content = sink.content(|path| path != ledger::FILE);
-    sink.finish().map_err(failed)?;
     let effective = audited.targets.into_iter().next().map(|audit| audit.effective);
-    Ok((work, content, effective))
+    let features = used(scene, effective.as_ref());
+    sink.features(&features);
+    sink.finish().map_err(failed)?;
+    Ok(Written { work, content, effective, features })
 }
 
 /// A scene as it was written for a renderer, in a folder that goes with it, or in one that was there.
@@ -264,6 +289,8 @@ pub struct Job<'r> {
     content: blake3::Hash,
     /// What the files mean, where the target has a reader and they were written here.
     effective: Option<Effective>,
+    /// Names of the features that the scene uses.
+    features: Vec<String>,
 }
 
 impl<'r> Job<'r> {
@@ -280,9 +307,18 @@ impl<'r> Job<'r> {
     /// # Errors
     /// As of [`Job::new`].
     pub fn written(scene: &Valid, runner: &'r Runner, writing: &Writing<'_>) -> Result<Self, Failure> {
-        let (work, content, effective) = write(scene, target_of(runner.driver), writing)?;
+        let Written { work, content, effective, features } = write(scene, target_of(runner.driver), writing)?;
         let size = (scene.film.width as usize, scene.film.height as usize);
-        Ok(Self { runner, folder: work.path().to_owned(), work, scene: scene.name.clone(), size, content, effective })
+        Ok(Self {
+            runner,
+            folder: work.path().to_owned(),
+            work,
+            scene: scene.name.clone(),
+            size,
+            content,
+            effective,
+            features,
+        })
     }
 
     /// One that was written before, into a folder that stays; each file is compared with what its manifest says.
@@ -295,7 +331,16 @@ impl<'r> Job<'r> {
         let manifest = Manifest::verified(folder).map_err(wrong)?;
         let content = manifest.content(|path| path != ledger::FILE);
         let work = Folder::new().map_err(|error| no_temporary(&error))?;
-        Ok(Self { runner, folder: folder.to_owned(), work, scene: manifest.scene, size, content, effective: None })
+        Ok(Self {
+            runner,
+            folder: folder.to_owned(),
+            work,
+            scene: manifest.scene,
+            size,
+            content,
+            effective: None,
+            features: manifest.features,
+        })
     }
 
     /// The scene's name.
@@ -320,6 +365,11 @@ impl<'r> Job<'r> {
     #[must_use]
     pub fn effective(&self) -> Option<&Effective> {
         self.effective.as_ref()
+    }
+
+    /// What the renderer is known to render otherwise of this scene.
+    pub fn defects(&self) -> impl Iterator<Item = &'static str> + '_ {
+        self.runner.driver.defects_of(&self.features)
     }
 
     /// The folder of what was written, as long as this is there.
@@ -399,9 +449,30 @@ impl<'r> Job<'r> {
             seed,
             threads: *threads,
             timeout: *timeout,
+            features: self.features.clone(),
             options: options.clone(),
             call: command.as_ref().map(|command| command.call(options)),
             ..RenderRequest::new(driver, self.folder.clone(), self.size, log.to_path_buf())
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_renderers_do_wrong_is_told_by_features_that_there_are() {
+        let known: Vec<&str> = capability::Feature::ALL.iter().map(|feature| feature.name()).collect();
+        for driver in DRIVERS {
+            for feature in driver.defects.iter().flat_map(|defect| defect.features) {
+                assert!(known.contains(feature), "{}: `{feature}`", driver.name);
+            }
+        }
+        assert_eq!(
+            driver_called("pbrt-r3").expect("a driver").defects_of(&["a principled material".to_owned()]).count(),
+            1
+        );
+        assert_eq!(driver_called("pbrt-r3").expect("a driver").defects_of(&["a mirror".to_owned()]).count(), 0);
     }
 }

@@ -9,7 +9,7 @@ use exr::meta::header::Header;
 use exr::prelude::{ReadChannels, ReadLayers, ReadSpecificChannel, read};
 
 use super::attributes::{DAMAGED, scan};
-use super::{Attributes, Fault, Image, MAX_SIDE, Window};
+use super::{Attributes, Fault, Image, MAX_SIDE, Window, exr_plain};
 
 /// No compression of the format packs better than Deflate, whose limit is 1032 to 1 (zlib's
 /// technical details); a header that claims more than this many times the file's size is wrong.
@@ -33,7 +33,10 @@ pub(super) fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
     let (part, names) = choose(&meta.headers)?;
     let header = &meta.headers[part];
     usable(header, &names)?;
-    let image = pixels(bytes, &names)?;
+    let image = match exr_plain::decode(bytes, &meta) {
+        Some(image) => image,
+        None => pixels(bytes, &names)?,
+    };
     let shown = header.shared_attributes.display_window;
     let corner = |at: Vec2<i32>| (i64::from(at.x()), i64::from(at.y()));
     let window = Window {
@@ -187,7 +190,7 @@ fn usable(header: &Header, names: &[String]) -> Result<(), Fault> {
 }
 
 /// The data window of the first part that has these channels.
-fn pixels(bytes: &[u8], names: &[String]) -> Result<Image, Fault> {
+pub(super) fn pixels(bytes: &[u8], names: &[String]) -> Result<Image, Fault> {
     // One thread: a pool would take the fault of a damaged block out of our hands, and decoding is
     // short beside rendering.
     let ([red, green, blue], grey) = match names {

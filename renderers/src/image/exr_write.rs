@@ -60,9 +60,20 @@ pub fn as_half(value: f32) -> f32 {
     f16::from_f32(value).to_f32()
 }
 
+/// The bytes of a file that is read at the speed of memory: not packed. Noise packs by 2 % only.
+///
+/// # Errors
+/// If the image cannot be stored.
+pub fn plain_bytes(path: &Path, image: &Image, provenance: &Provenance) -> Result<Vec<u8>, ImageError> {
+    encode(&[("", image)], provenance, Numbers::Plain)
+        .map_err(|message| ImageError::Unwritable { path: path.to_owned(), message })
+}
+
 /// How numbers are stored.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Numbers {
+    /// 32 bits, not packed.
+    Plain,
     /// 32 bits.
     Single,
     /// 16 bits.
@@ -81,7 +92,7 @@ fn encode(layers: &[(&str, &Image)], provenance: &Provenance, numbers: Numbers) 
     let channel = |prefix: &str, image: &Image, at: usize| {
         let samples = image.pixels.iter().map(|pixel| pixel[at]);
         let samples = match numbers {
-            Numbers::Single => FlatSamples::F32(samples.collect()),
+            Numbers::Single | Numbers::Plain => FlatSamples::F32(samples.collect()),
             Numbers::Half => FlatSamples::F16(samples.map(f16::from_f32).collect()),
         };
         AnyChannel::new(format!("{prefix}{}", ["R", "G", "B"][at]).as_str(), samples)
@@ -89,7 +100,7 @@ fn encode(layers: &[(&str, &Image)], provenance: &Provenance, numbers: Numbers) 
     let all = layers.iter().flat_map(|(prefix, image)| [0, 1, 2].map(|at: usize| channel(prefix, image, at)));
     let channels = AnyChannels::sort(all.collect());
     let encoding = Encoding {
-        compression: Compression::ZIP16,
+        compression: if numbers == Numbers::Plain { Compression::Uncompressed } else { Compression::ZIP16 },
         blocks: exr::image::Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
@@ -101,7 +112,8 @@ fn encode(layers: &[(&str, &Image)], provenance: &Provenance, numbers: Numbers) 
         .non_parallel()
         .to_buffered(&mut plain)
         .map_err(|error| error.to_string())?;
-    insert(&plain.into_inner(), &provenance.attributes(), height.div_ceil(ZIP_ROWS))
+    let rows = if numbers == Numbers::Plain { 1 } else { ZIP_ROWS };
+    insert(&plain.into_inner(), &provenance.attributes(), height.div_ceil(rows))
 }
 
 /// Puts string attributes in front of those of the encoder, which keeps them in a hash map and so

@@ -42,6 +42,8 @@ const fn row(target: &'static str, main_file: &'static str) -> Driver {
         test_scene: &[],
         wavelengths: None,
         seeds: Seeds::Free,
+        least_samples: 1,
+        defects: &[],
         failures: &[],
         hints: &[],
         probe: |_| Ok(String::new()),

@@ -25,6 +25,8 @@ pub(super) const ROW: Driver = Driver {
     ],
     wavelengths: None,
     seeds: super::Seeds::Free,
+    least_samples: 1,
+    defects: &[],
     failures: &[],
     hints: &[
         ("Unable to read PLY", "a mesh is missing; emit the folder again and keep it together"),

@@ -41,6 +41,8 @@ const ROW: Driver = Driver {
     wavelengths: None,
     // Its program ends with code 0 when the job of rendering has thrown (`renderjob.cpp`).
     seeds: super::Seeds::Some,
+    least_samples: 1,
+    defects: &[],
     failures: &["caught exception", "did not complete successfully"],
     hints: &[
         (

@@ -33,6 +33,8 @@ pub(super) const ROW: Driver = Driver {
     ],
     wavelengths: None,
     seeds: super::Seeds::Free,
+    least_samples: 1,
+    defects: &[],
     failures: &[],
     hints: &[
         (

@@ -95,6 +95,11 @@ pub struct Driver {
     pub wavelengths: Option<[f64; 4]>,
     /// Whether it renders independent images of one scene.
     pub seeds: Seeds,
+    /// The fewest samples per pixel with which images of different seeds have no error in common that counts; with fewer, their scatter
+    /// does not tell it, and their mean keeps it.
+    pub least_samples: u32,
+    /// What it renders otherwise than its own path tracing, or than the renderer whose files it reads, by more than noise.
+    pub defects: &'static [Defect],
     /// Texts of lines that tell that it has failed, for programs that end with code 0 all the same.
     pub failures: &'static [&'static str],
     /// Texts of the log that tell a known cause, each with what to do about it.
@@ -106,6 +111,13 @@ pub struct Driver {
 }
 
 impl Driver {
+    /// What it is known to render otherwise of a scene with these features.
+    pub fn defects_of<'f>(&self, features: &'f [String]) -> impl Iterator<Item = &'static str> + use<'f> {
+        let concerns =
+            move |defect: &&Defect| defect.features.iter().any(|name| features.iter().any(|own| own == name));
+        self.defects.iter().filter(concerns).map(|defect| defect.what)
+    }
+
     /// What ltsc has to install of it for Python, if it comes that way.
     #[must_use]
     pub fn packages(&self) -> Option<&Packages> {
@@ -130,6 +142,14 @@ impl Driver {
             ),
         }
     }
+}
+
+/// What a renderer does wrong.
+pub struct Defect {
+    /// Names of features of scenes that it concerns, as manifests have them.
+    pub features: &'static [&'static str],
+    /// What is wrong, as a sentence without a subject's name.
+    pub what: &'static str,
 }
 
 /// Whether a renderer renders independent images of one scene, each with a seed of its own.
@@ -220,6 +240,8 @@ pub struct RenderRequest {
     pub log: PathBuf,
     /// The renderer's variant, where it has several; its plainest if nothing is said.
     pub variant: Option<String>,
+    /// Names of the features that the scene uses, for what the renderer is known to do wrong with them.
+    pub features: Vec<String>,
     /// Further arguments of the program; renderers that run as a script of Python have none but `-m VARIANT`.
     pub options: Vec<String>,
     /// How the program is called, where that is not the driver's affair. It is then not asked for its version.
@@ -247,6 +269,7 @@ impl RenderRequest {
             timeout: None,
             log,
             variant: None,
+            features: Vec::new(),
             options: Vec::new(),
             call: None,
             cancel: None,

@@ -18,6 +18,8 @@ pub(super) const ROW: Driver = Driver {
     test_scene: &[],
     wavelengths: None,
     seeds: super::Seeds::Free,
+    least_samples: 1,
+    defects: &[],
     failures: &[],
     hints: &[
         ("No such file or directory", "a file is missing; emit the folder again and keep it together"),

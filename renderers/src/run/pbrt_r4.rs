@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 use std::process::Command;
 
-use super::{Crate, Delivery, Driver, Installation, Job, Plan, RenderError, bar, emitted, pbrt};
+use super::{Crate, Defect, Delivery, Driver, Installation, Job, Plan, RenderError, bar, emitted, pbrt};
 
 pub(super) const ROW: Driver = Driver {
     name: "pbrt-r4",
@@ -34,6 +34,12 @@ pub(super) const ROW: Driver = Driver {
     ],
     wavelengths: Some(pbrt::FOUR_WAVELENGTHS),
     seeds: super::Seeds::Free,
+    least_samples: 1,
+    // Against its own path tracing (docs/conventions.md).
+    defects: &[Defect {
+        features: &["bidirectional path tracing"],
+        what: "its bidirectional path tracing makes a room 4.6 % darker than its path tracing",
+    }],
     failures: &[" ERROR] "],
     hints: pbrt::PORT_HINTS,
     probe: |asked| pbrt::port(asked, "pbrt-r4"),
@@ -60,19 +66,7 @@ fn plan(job: &Job<'_>) -> Result<Plan, RenderError> {
     command.args(["--texture-cache", "off"]);
     command.arg("--spp").arg(job.request.samples.to_string());
     command.arg("--outfile").arg(&image).arg(main).current_dir(job.scratch);
-    let facts = defects(job).map(|what| ("defects".to_owned(), what.to_owned()));
-    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses), above: 0, facts: facts.into_iter().collect() })
-}
-
-/// What it renders otherwise than its own path tracing by more than noise, of what is in the scene (docs/conventions.md).
-fn defects(job: &Job<'_>) -> Option<&'static str> {
-    let integrators = emitted::texts(job.folder, "pbrt");
-    let bdpt = integrators.filter_map(|(_, text)| {
-        pbrt::directive(&text, "Integrator").map(|(start, end)| text[start..end].ends_with("\"bdpt\""))
-    });
-    bdpt.into_iter()
-        .any(|bdpt| bdpt)
-        .then_some("its bidirectional path tracing makes a room 4.6 % darker than its path tracing")
+    Ok(Plan { command, delivery: Delivery::File(image, bar::plusses), above: 0, facts: Vec::new() })
 }
 
 /// It has no option for the seed: what draws random numbers is told in the file (`IndependentSampler::create` and its like,

@@ -137,7 +137,9 @@ fn pbrt_r4_is_told_its_seed_in_a_copy_of_the_settings() {
         ("sppm", "Integrator \"sppm\" \"integer seed\" [5]"),
         ("mlt", "Option \"seed\" 5\nIntegrator \"mlt\" \"integer maxdepth\""),
     ] {
-        let bdpt = port("pbrt-r4", &PBRT.replace("\"path\"", "\"bdpt\"")).render().expect("an image").0;
+        let mut bdpt = port("pbrt-r4", PBRT);
+        bdpt.request.features = vec!["bidirectional path tracing".to_owned()];
+        let bdpt = bdpt.render().expect("an image").0;
         assert!(bdpt.facts[0].1.contains("bidirectional"), "{:?}", bdpt.facts);
         let mut stage = port("pbrt-r4", &PBRT.replace("\"path\"", &format!("\"{kind}\"")));
         stage.request.seed = 5;
@@ -158,7 +160,8 @@ fn pbrt_r3_tells_its_defects() {
     assert!(log.contains("temporary ") && !log.contains("temporary /tmp\n"), "{log}");
     stage.request.seed = 3;
     assert!(stage.fails().to_string().contains("no perspective camera"), "{}", stage.fails());
-    let stage = port("pbrt-r3", &format!("{PBRT}MakeNamedMaterial \"a\" \"string type\" [\"disney\"]\n"));
+    let mut stage = port("pbrt-r3", PBRT);
+    stage.request.features = vec!["a principled material".to_owned()];
     let (rendered, _) = stage.render().expect("an image");
     assert!(rendered.facts[0].0 == "defects" && rendered.facts[0].1.contains("principled"), "{:?}", rendered.facts);
 }

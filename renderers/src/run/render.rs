@@ -26,7 +26,11 @@ pub fn render(request: &RenderRequest, progress: &mut dyn FnMut(Progress)) -> Re
     };
     let log = std::path::absolute(&request.log).map_err(io(&request.log))?;
     let driver = request.driver;
-    let Plan { command, delivery, above, facts } = plan;
+    let Plan { command, delivery, above, mut facts } = plan;
+    let defects: Vec<&str> = driver.defects_of(&request.features).collect();
+    if !defects.is_empty() {
+        facts.push(("defects".to_owned(), defects.join("; ")));
+    }
     begin(&log).map_err(io(&log))?;
     let mut gathered = Gathered { version, ..Gathered::default() };
     let mut watch = Watch::new(u64::from(request.samples));

@@ -38,7 +38,8 @@ pub struct Reference {
     /// The folder of references [default: `references` of the project].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// Write also over a reference of other size, algorithm or origin; keep also an image in which light tracing leaves smooth surfaces black.
+    /// Write also over a reference of other size, algorithm or origin; keep also an image in which light tracing leaves smooth
+    /// surfaces black.
     #[arg(long)]
     pub force: bool,
     /// The renderer's executable, or a Python that has its module: a path, or a name on the path.
@@ -63,7 +64,8 @@ pub enum ReferenceAction {
     List(ReferenceList),
     /// Keep an image from elsewhere as a reference, with the origin that you declare.
     ///
-    /// The image is shown as declared wherever it is used; ltsc looks at its size only. The variance of its mean, if there is one, is taken from `--variance`, or
+    /// The image is shown as declared wherever it is used; ltsc looks at its size only. The variance of its mean, if there is
+    /// one, is taken from `--variance`, or
     /// from channels `variance.R`, `variance.G`, `variance.B` of the file, or `error.R` ... for the standard error.
     #[command(
         after_help = "Examples:\n  ltsc reference add ring.exr --scene scenes-src/ring.lts --renderer mitsuba-0.5 --by \"the thesis, 2020\"\n  ltsc reference add a.pfm --scene ring.lts --renderer measured --by \"J. Doe, camera 3\" --algorithm photograph"

@@ -62,6 +62,12 @@ pub fn run(command: &Diff) -> Result<Exit, Failure> {
         Format::Short => terminal::print(&short(&comparison, beyond)),
         Format::Human | Format::Sarif | Format::Github => {
             terminal::print(&to_text(&comparison));
+            if comparison.metric("rmse").and_then(|value| value.overall).is_some_and(|error| error > 0.0) {
+                // Two images alone do not tell it; several of each side do.
+                terminal::say(
+                    "their noise is not known: what differs may be noise; `ltsc eval` and `ltsc agree` tell the two apart",
+                );
+            }
             if let (Some(beyond), Some(tolerance)) = (beyond, command.tolerance) {
                 let word = if beyond { "beyond" } else { "within" };
                 terminal::print(&format!("{word} the tolerance of {:.3} %\n", tolerance * 100.0));

@@ -4,6 +4,7 @@ mod agree;
 mod audit;
 mod build;
 mod cache;
+mod calibrate;
 mod clean;
 mod completions;
 mod conventions;
@@ -18,6 +19,7 @@ mod init;
 mod lint;
 mod manual;
 mod page;
+mod reduce;
 mod reference;
 mod render;
 mod renderers;
@@ -48,12 +50,14 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Diff(command) => diff::run(&command),
         Command::Agree(command) => agree::run(&command),
         Command::Eval(command) => eval::run(&command),
+        Command::Reduce(command) => reduce::run(&command),
         Command::Report(command) => page::report(&command),
         Command::View(command) => page::view(&command),
         Command::Clean(command) => clean::run(&command),
         Command::Reference(command) => reference::run(&command),
         Command::Renderers(command) => renderers::run(&command),
         Command::Cache(command) => cache::run(&command),
+        Command::Calibrate(command) => calibrate::run(&command),
         Command::Conventions(command) => conventions::run(&command),
         Command::Explain(command) => explain::run(&command),
         Command::Doc(command) => doc::run(&command),
@@ -81,8 +85,10 @@ fn format_of(command: &Command) -> Format {
         Command::Render(command) => command.findings.format,
         Command::Diff(command) => command.format,
         Command::Conventions(command) => command.format,
+        Command::Calibrate(command) => command.format,
         Command::Agree(command) => command.findings.format,
         Command::Eval(command) => command.findings.format,
+        Command::Reduce(command) => command.findings.format,
         Command::Report(command) => command.format,
         Command::View(command) => command.format,
         Command::Clean(command) => command.format,

@@ -12,7 +12,7 @@ use ltsc_evaluation::reference::{self, About, Declared, Entry, Goal, Kept, Left,
 use serde_json::{Value, json};
 
 use crate::args::{Findings, Format, Reference, ReferenceAction, ReferenceAdd, ReferenceList, Settings};
-use crate::output::{Exit, Failure};
+use crate::output::{Exit, Failure, show};
 use crate::project::Project;
 use crate::terminal::{self, Watcher};
 
@@ -81,6 +81,8 @@ fn render(command: &Reference, scene: &Path, renderer: &str) -> Result<Exit, Fai
         tell(&kept, command.error);
     }
     match (kept.failed, kept.left) {
+        // The document has it: one is all that there is.
+        (Some(failure), _) if json => Ok(show(&failure)),
         (Some(failure), _) => Err(failure),
         (None, Some(_)) => Ok(Exit::No),
         (None, None) => Ok(Exit::Done),
@@ -88,12 +90,13 @@ fn render(command: &Reference, scene: &Path, renderer: &str) -> Result<Exit, Fai
 }
 
 fn document(kept: &Kept) -> Value {
-    let Kept { file, about, chunks: (chunks, samples), written, replaced, left, failed: _ } = kept;
+    let Kept { file, about, chunks: (chunks, samples), written, replaced, left, failed } = kept;
     let left = left
         .map(|Left { chunks, samples, seconds }| json!({ "chunks": chunks, "samples": samples, "seconds": seconds }));
     json!({
         "file": about.as_ref().map(|_| file), "written": written, "replaced": replaced, "reached": left.is_none(), "chunks": chunks,
         "chunk_samples": samples, "left": left, "about": about,
+        "error": failed.as_ref().map(|failure| json!({ "message": failure.message, "help": failure.help })),
     })
 }
 

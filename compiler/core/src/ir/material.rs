@@ -78,6 +78,18 @@ pub enum Bsdf {
 }
 
 impl Bsdf {
+    /// The name of its constructor in scenes.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Diffuse { reflectance: _ } => "diffuse",
+            Self::Conductor { eta: _, k: _, alpha: _ } => "conductor",
+            Self::Dielectric { interior: _, exterior: _, alpha: _ } => "dielectric",
+            Self::Mirror { reflectance: _ } => "mirror",
+            Self::Plastic { reflectance: _, ior: _, alpha: _ } => "plastic",
+            Self::Principled { base: _, metallic: _, roughness: _, ior: _ } => "principled",
+        }
+    }
+
     /// What kind of scattering it is, in words.
     pub fn kind(&self) -> &'static str {
         match self {

@@ -32,6 +32,11 @@ impl Frustum {
         Some(Self { eye: camera.eye, axes: camera.axes()?, tangents: [across, up] })
     }
 
+    /// Tangents of half the angles of view, across and up.
+    pub(super) fn tangents(&self) -> [f64; 2] {
+        self.tangents
+    }
+
     /// A point as the camera sees it: to the right, up, and along the optical axis.
     fn local(&self, point: Vec3) -> Vec3 {
         let from = sub(point, self.eye);
@@ -81,7 +86,7 @@ impl Frustum {
     }
 
     /// What is seen of a triangle, as a polygon with local corners (Sutherland and Hodgman 1974); none where it lies outside.
-    fn cut(&self, triangle: [Vec3; 3]) -> Option<Vec<Vec3>> {
+    pub(super) fn cut(&self, triangle: [Vec3; 3]) -> Option<Vec<Vec3>> {
         let corners = triangle.map(|corner| self.local(corner));
         let sides = corners.map(|corner| self.inside(corner));
         if (0..5).any(|plane| sides.iter().all(|side| side[plane] < 0.0)) {

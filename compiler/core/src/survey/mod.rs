@@ -6,10 +6,12 @@
 mod bounds;
 mod frustum;
 mod inside;
+mod seen;
 
 pub use bounds::Bounds;
 pub use frustum::{Frustum, Span};
 pub use inside::{faces_against, whole, winding};
+pub use seen::{Seen, Thing};
 
 use crate::diag::Origin;
 use crate::ir::{Affine, Arena, Instance, Scene, Shape, Vec3};

@@ -9,8 +9,9 @@ use std::time::Duration;
 use ltsc_core::ir::Scene;
 use ltsc_core::valid::Valid;
 use ltsc_render::image::{Image, Provenance, exr_bytes, read, reduce};
-use ltsc_render::run::{Driver, Rendered};
+use ltsc_render::run::{Driver, Progress};
 
+use crate::chunk::Store;
 use crate::compare::Images;
 use crate::compare::verdict::{self, Stated, Tolerance, judge_stated};
 use crate::disk::{not_ours, unwritable, write_whole};
@@ -88,6 +89,11 @@ impl Study<'_> {
                 let (name, word) = (driver.name, scene.integrator.word());
                 watch.note(&format!("{}: {name} lacks `{word}`: left out", scene.name));
                 continue;
+            }
+            if self.samples < driver.least_samples {
+                let (name, least) = (driver.name, driver.least_samples);
+                watch
+                    .note(&format!("{name}: images of fewer than {least} samples have an error in common that counts"));
             }
             made.push(self.images(scene, &runner, watch)?);
         }
@@ -172,24 +178,23 @@ impl Study<'_> {
             let (image, version, seconds) = match known {
                 Some(known) => known,
                 None => {
-                    let done = job.render(self.samples, seed, &mut |_| watch.doing(&what));
-                    let Rendered { image, renderer_version, seconds, samples_done, .. } =
-                        done.map_err(|error| Failure::of_renderer(&error))?;
+                    let done = self.rendered(&job, seed, &mut |_| watch.doing(&what))?;
                     if let Some(file) = &kept {
+                        let (image, version, seconds) = &done;
                         let provenance = Provenance {
                             scene: scene.name.clone(),
                             scene_hash: key,
                             version: env!("CARGO_PKG_VERSION").to_owned(),
                             renderer: driver.name.to_owned(),
-                            renderer_version: renderer_version.clone(),
-                            samples: samples_done,
+                            renderer_version: version.clone(),
+                            samples: u64::from(self.samples),
                             seed: u64::from(seed),
-                            seconds,
+                            seconds: *seconds,
                             extra: Vec::new(),
                         };
-                        keep(file, &image, &provenance)?;
+                        keep(file, image, &provenance)?;
                     }
-                    (image, renderer_version, seconds)
+                    done
                 }
             };
             side.version = version;
@@ -199,6 +204,29 @@ impl Study<'_> {
         }
         watch.end();
         Ok(Made { side, images, stated: stated(scene, driver) })
+    }
+
+    /// An image with its renderer's version and time: a chunk of the cache, where there is one, so that what was rendered once is not
+    /// rendered again.
+    fn rendered(
+        &self,
+        job: &Job<'_>,
+        seed: u32,
+        news: &mut dyn FnMut(Progress),
+    ) -> Result<(Image, String, f64), Failure> {
+        let Some(cache) = &job.runner().cache else {
+            let done = job.render(self.samples, seed, news).map_err(|error| Failure::of_renderer(&error))?;
+            return Ok((done.image, done.renderer_version, done.seconds));
+        };
+        let store = Store::of(cache);
+        store.make(job, (self.samples, seed), news)?;
+        let file = store.path(&job.identity(), self.samples, seed);
+        let (image, attributes) = read(&file).map_err(|error| {
+            Failure::new(Exit::Environment, error.to_string())
+                .help(format!("remove {}: it is rendered again", file.display()))
+        })?;
+        let about = Provenance::from_attributes(&attributes);
+        Ok((image, about.renderer_version, about.seconds))
     }
 }
 

@@ -47,6 +47,13 @@ impl Plan {
         Self::with(samples, u32::try_from(size).unwrap_or(u32::MAX))
     }
 
+    /// [`Plan::of`] for a renderer: no chunk has fewer samples than those with which its images are independent.
+    #[must_use]
+    pub fn for_driver(driver: &Driver, samples: u64) -> Self {
+        let plan = Self::of(samples);
+        if plan.samples < driver.least_samples { Self::with(samples, driver.least_samples) } else { plan }
+    }
+
     /// At least `samples` per pixel in chunks of `size`.
     #[must_use]
     pub fn with(samples: u64, size: u32) -> Self {
@@ -74,7 +81,11 @@ const LONG: u64 = 8192;
 /// How an image is rendered that nobody asks the error of: whole, but long ones by renderers whose seeds cost nothing.
 #[must_use]
 pub fn plan_of_one(driver: &Driver, samples: u64) -> Plan {
-    if samples >= LONG && driver.seeds == Seeds::Free { Plan::of(samples) } else { Plan::whole(samples) }
+    if samples >= LONG && driver.seeds == Seeds::Free {
+        Plan::for_driver(driver, samples)
+    } else {
+        Plan::whole(samples)
+    }
 }
 
 /// Renders an image in chunks, one after the other, each with all threads of the job; those that are there are not rendered again.

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
 
 use ltsc_render::cache::CachePaths;
-use ltsc_render::image::{Provenance, exr_bytes};
+use ltsc_render::image::{Provenance, plain_bytes};
 
 use super::facts::{Facts, load};
 use crate::disk::{unwritable, write_whole};
@@ -151,7 +151,7 @@ impl Store {
             extra: rendered.facts.clone(),
         };
         facts.write(&mut provenance);
-        let bytes = exr_bytes(&path, &rendered.image, &provenance)
+        let bytes = plain_bytes(&path, &rendered.image, &provenance)
             .map_err(|error| Failure::new(Exit::Environment, error.to_string()).help(error.hint()))?;
         write_whole(&path, &mut |out| out.write_all(&bytes)).map_err(|error| unwritable(&self.root, &error))?;
         Ok(Some(facts))

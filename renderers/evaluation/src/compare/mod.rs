@@ -1,5 +1,6 @@
 //! Compares two images of the same scene. A is the reference: ratios are B/A, differences B - A.
 
+pub mod blame;
 mod flip;
 mod images;
 mod maps;

@@ -9,8 +9,19 @@ use super::CompareError;
 /// Red, green, blue, and the mean of the three.
 pub(super) const PARTS: usize = 4;
 
-/// Pixels that one thread works on at a time.
+/// Pixels that one thread works on at a time; whole rows.
 const PIECE: usize = 1 << 14;
+
+/// Tiles along each side whose sums are kept of each image.
+pub(super) const FINE: usize = 8;
+
+/// Sums of an image over the pixels of each tile, in each part.
+pub(super) type TileSums = [[f64; PARTS]; FINE * FINE];
+
+/// The tile of the finest grid that each column, or row, lies in.
+pub(super) fn tile_of(size: usize) -> Vec<usize> {
+    (0..FINE).flat_map(|at| std::iter::repeat_n(at, (at + 1) * size / FINE - at * size / FINE)).collect()
+}
 
 /// A pixel over the images that were added.
 #[derive(Clone, Copy)]
@@ -34,6 +45,10 @@ pub struct Moments {
     pub height: usize,
     count: usize,
     pixels: Vec<Pixel>,
+    /// Of each image, over the pixels that are finite in it.
+    tiles: Vec<TileSums>,
+    columns: Vec<usize>,
+    rows: Vec<usize>,
 }
 
 impl Moments {
@@ -41,7 +56,8 @@ impl Moments {
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
         let none = Pixel { mean: [0.0; 3], squares: [0.0; PARTS], cubes: [0.0; 3], largest: [f32::MIN; 3], bad: false };
-        Self { width, height, count: 0, pixels: vec![none; width * height] }
+        let (columns, rows) = (tile_of(width), tile_of(height));
+        Self { width, height, count: 0, pixels: vec![none; width * height], tiles: Vec::new(), columns, rows }
     }
 
     /// Those of `count` images of which only the mean and the variance of that mean are left. What else there is to know of them is
@@ -67,7 +83,7 @@ impl Moments {
             }
         };
         let pixels = mean.pixels.iter().zip(&variance.pixels).map(of).collect();
-        Ok(Self { width: mean.width, height: mean.height, count, pixels })
+        Ok(Self { count, pixels, ..Self::new(mean.width, mean.height) })
     }
 
     /// Adds an image.
@@ -80,11 +96,39 @@ impl Moments {
         }
         self.count += 1;
         let n = self.count as f64;
-        self.pixels.par_chunks_mut(PIECE).zip(image.pixels.par_chunks(PIECE)).for_each(|(pixels, values)| {
-            for (pixel, value) in pixels.iter_mut().zip(values) {
-                pixel.add(*value, n);
+        if self.width == 0 {
+            return Ok(());
+        }
+        let lines = (PIECE / self.width).max(1);
+        let (width, columns, rows) = (self.width, &self.columns, &self.rows);
+        let pieces = self.pixels.par_chunks_mut(lines * width).zip(image.pixels.par_chunks(lines * width)).enumerate();
+        // One row lies in one row of tiles; sums are put together in their order, so that they do not depend on the machine.
+        let sums: Vec<Vec<(usize, [[f64; PARTS]; FINE])>> = pieces
+            .map(|(piece, (pixels, values))| {
+                let all = pixels.chunks_exact_mut(width).zip(values.chunks_exact(width)).enumerate();
+                let of_row = |(line, (pixels, values)): (usize, (&mut [Pixel], &[[f32; 3]]))| {
+                    let mut sums = [[0.0; PARTS]; FINE];
+                    for ((pixel, value), column) in pixels.iter_mut().zip(values).zip(columns) {
+                        pixel.add(*value, n);
+                        if finite(value) {
+                            let [r, g, b] = value.map(f64::from);
+                            let sum = &mut sums[*column];
+                            [r, g, b, (r + g + b) / 3.0].into_iter().zip(sum).for_each(|(value, sum)| *sum += value);
+                        }
+                    }
+                    (rows[piece * lines + line], sums)
+                };
+                all.map(of_row).collect()
+            })
+            .collect();
+        let mut tiles = [[0.0; PARTS]; FINE * FINE];
+        for (row, sums) in sums.into_iter().flatten() {
+            for (column, sums) in sums.into_iter().enumerate() {
+                let tile = &mut tiles[row * FINE + column];
+                (0..PARTS).for_each(|part| tile[part] += sums[part]);
             }
-        });
+        }
+        self.tiles.push(tiles);
         Ok(())
     }
 
@@ -92,6 +136,11 @@ impl Moments {
     #[must_use]
     pub fn count(&self) -> usize {
         self.count
+    }
+
+    /// Of each image the sums over each tile; where pixels are left out, they are those of all that are finite all the same.
+    pub(super) fn tiles(&self) -> &[TileSums] {
+        &self.tiles
     }
 
     /// Whether some image is infinite or not a number in a pixel.

@@ -23,6 +23,9 @@ pub struct Manifest {
     pub generator: String,
     /// The scene.
     pub scene: String,
+    /// Names of the features that the scene uses, where that is written down.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub features: Vec<String>,
     /// BLAKE3 of each file.
     pub files: BTreeMap<String, String>,
 }

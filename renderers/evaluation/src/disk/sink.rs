@@ -111,6 +111,11 @@ impl DiskSink {
         self.manifest.files.extend(kept.map(|(path, hash)| (path.clone(), hash.clone())));
     }
 
+    /// Writes down which features the scene uses.
+    pub fn features(&mut self, features: &[String]) {
+        self.manifest.features = features.to_vec();
+    }
+
     /// A sink for a folder inside this one.
     pub fn below(&mut self, name: &str) -> Below<'_> {
         Below { sink: self, prefix: format!("{name}/") }

@@ -225,7 +225,16 @@ impl Reading {
         }
         let name = At::new(name.value.to_owned(), name.span);
         let target = Some(At::new(target, kind.span));
-        Some(WrittenRenderer { name, target, path, options, command: None, threads: None, timeout: None })
+        Some(WrittenRenderer {
+            name,
+            target,
+            path,
+            options,
+            command: None,
+            threads: None,
+            timeout: None,
+            manual: false,
+        })
     }
 
     fn case(&mut self, value: &At<Python>) -> Option<WrittenCase> {

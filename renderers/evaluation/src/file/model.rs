@@ -135,13 +135,15 @@ pub struct Renderer {
     pub threads: Option<u32>,
     /// The longest time for one image.
     pub timeout: Option<Duration>,
+    /// Whether nothing is run: its files are written, and its images are made by hand.
+    pub manual: bool,
     /// Where it is declared, or named first.
     pub span: Span,
 }
 
 impl fmt::Debug for Renderer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { name, target, driver, path, options, command, threads, timeout, span } = self;
+        let Self { name, target, driver, path, options, command, threads, timeout, manual, span } = self;
         f.debug_struct("Renderer")
             .field("name", name)
             .field("target", &target.name)
@@ -151,6 +153,7 @@ impl fmt::Debug for Renderer {
             .field("command", command)
             .field("threads", threads)
             .field("timeout", timeout)
+            .field("manual", manual)
             .field("span", span)
             .finish()
     }

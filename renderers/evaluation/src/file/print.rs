@@ -53,6 +53,7 @@ pub fn print(written: &Written) -> String {
         line("command", renderer.command.as_ref().map(|words| strings("command", &words.value)));
         line("threads", renderer.threads.map(|threads| threads.value.to_string()));
         line("timeout", renderer.timeout.map(|timeout| time(timeout.value)));
+        line("manual", renderer.manual.then(|| "true".to_owned()));
     }
     for (name, parameters) in sets {
         let _written = writeln!(text, "\n[parameters.{}]", key(&name.value));

@@ -141,8 +141,8 @@ fn scene() -> impl Strategy<Value = WrittenScene> {
 
 fn renderer() -> impl Strategy<Value = WrittenRenderer> {
     let line = || prop::collection::vec(text().prop_filter("no argument", |text| !text.contains('\0')), 0..3);
-    (maybe(word()), maybe(word()), line(), maybe(line()), maybe(1_u32..=1024), maybe(time())).prop_map(
-        |(target, path, options, command, threads, timeout)| WrittenRenderer {
+    (maybe(word()), maybe(word()), line(), maybe(line()), maybe(1_u32..=1024), maybe(time()), any::<bool>()).prop_map(
+        |(target, path, options, command, threads, timeout, manual)| WrittenRenderer {
             name: at(String::new()),
             target,
             path,
@@ -150,6 +150,7 @@ fn renderer() -> impl Strategy<Value = WrittenRenderer> {
             command,
             threads,
             timeout,
+            manual,
         },
     )
 }

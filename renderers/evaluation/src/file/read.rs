@@ -154,9 +154,10 @@ fn renderers(item: Option<Item<'_>>, reader: &mut Reader) -> Vec<WrittenRenderer
         let command = table.take("command").and_then(|item| Some(At::new(command_line(&item, reader)?, item.span)));
         let threads = table.take("threads").and_then(|item| item.count(reader, 1..=1024));
         let timeout = table.take("timeout").and_then(|item| parts::time(&item, reader));
+        let manual = table.take("manual").and_then(|item| item.bool(reader)).unwrap_or(false);
         table.finish(reader);
         let name = At::new(name.value.to_owned(), name.span);
-        found.push(WrittenRenderer { name, target, path, options, command, threads, timeout });
+        found.push(WrittenRenderer { name, target, path, options, command, threads, timeout, manual });
     }
     found
 }

@@ -68,6 +68,7 @@ impl Renderers {
             command: None,
             threads: None,
             timeout: None,
+            manual: false,
         };
         let made = declare(&written, findings);
         let there = made.is_some();
@@ -99,12 +100,13 @@ fn stand_in(span: Span) -> Renderer {
         command: None,
         threads: None,
         timeout: None,
+        manual: false,
         span,
     }
 }
 
 fn declare(written: &WrittenRenderer, findings: &mut Findings) -> Option<Renderer> {
-    let WrittenRenderer { name, target: asked, path, options, command, threads, timeout } = written;
+    let WrittenRenderer { name, target: asked, path, options, command, threads, timeout, manual } = written;
     let Some((target, driver)) = find(&asked.as_ref().unwrap_or(name).value) else {
         match asked {
             Some(asked) => findings.unknown("target or renderer", asked, names()),
@@ -129,11 +131,20 @@ fn declare(written: &WrittenRenderer, findings: &mut Findings) -> Option<Rendere
             }
         },
     };
+    if *manual && (path.is_some() || command.is_some() || !options.is_empty()) {
+        let message = format!("the renderer `{}` is `manual`, so that no program of it is run", name.value);
+        findings.error("evaluation-value", name.span, message).help =
+            Some("leave out `path`, `options` and `command`, or `manual`".to_owned());
+        return None;
+    }
     match (&command, driver) {
+        (None, None) if *manual => {}
         (None, None) => {
             let message = format!("no renderer of ltsc reads `{}`", target.name);
-            findings.error("evaluation-name", place, message).help =
-                Some("say how a program is called: `command = \"{exe} {options} -o {out} {scene}\"`".to_owned());
+            findings.error("evaluation-name", place, message).help = Some(
+                "say how a program is called: `command = \"{exe} {options} -o {out} {scene}\"`, or `manual = true`"
+                    .to_owned(),
+            );
             return None;
         }
         (Some(command), None) if command.value.uses("exe") && path.is_none() => {
@@ -156,6 +167,7 @@ fn declare(written: &WrittenRenderer, findings: &mut Findings) -> Option<Rendere
         command,
         threads: threads.map(|threads| threads.value),
         timeout: timeout.map(|timeout| timeout.value),
+        manual: *manual,
         span: name.span,
     })
 }

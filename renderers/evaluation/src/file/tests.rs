@@ -651,7 +651,7 @@ fn scenes_are_there_once_and_for_every_target() {
 #[test]
 fn all_findings_come_at_once_in_the_order_of_the_text() {
     let (evaluation, findings) = told(
-        "nmae = 1\nscenes = [\"rign\", \"pool\"]\nsettings = { samples = 3 }\n[parameters.a]\nbase = [\"b\"]\nfilm = [[1, 2]]\n\
+        "nmae = 1\nscenes = [\"rign\", \"pool\"]\nchunks = 8\nsettings = { samples = 3 }\n[parameters.a]\nbase = [\"b\"]\nfilm = [[1, 2]]\n\
          [[case]]\nname = \"x\"\nrenderers = [\"luxcore\", \"nothing\"]\nparameters = \"c\"\n[[case]]\nname = \"y\"\n",
     );
     assert!(evaluation.is_none());

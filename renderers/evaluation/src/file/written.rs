@@ -99,6 +99,8 @@ pub struct WrittenRenderer {
     pub threads: Option<At<u32>>,
     /// `timeout`.
     pub timeout: Option<At<Duration>>,
+    /// `manual`.
+    pub manual: bool,
 }
 
 /// Native parameters: `base` and statements.

@@ -260,6 +260,8 @@ fn picture(run: &results::Run, time: Option<&timing::Run>, folder: &Path) -> Pic
         Status::Done => "done",
         Status::Failed => "failed",
         Status::Skipped => "skipped",
+        // Somebody is to make it, and it is not there.
+        Status::Awaited => "missing",
     };
     let lacks = run.status == Status::Done && run.image.as_ref().is_none_or(|path| !folder.join(path).is_file());
     let log = run.image.as_ref().and_then(|path| path.strip_suffix(".exr")).map(|path| format!("{path}.log"));
@@ -269,7 +271,11 @@ fn picture(run: &results::Run, time: Option<&timing::Run>, folder: &Path) -> Pic
         case: run.case.clone(),
         renderer: run.renderer.clone(),
         status: if lacks { "missing" } else { status },
-        why: if lacks { Some("its file is not there any more".to_owned()) } else { run.failure.clone() },
+        why: match &run.expected {
+            Some(expected) if run.status == Status::Awaited => Some(format!("it is awaited as {expected}")),
+            _ if lacks => Some("its file is not there any more".to_owned()),
+            _ => run.failure.clone(),
+        },
         file: run.image.as_ref().map(|path| format!("../{path}")),
         log: log.filter(|path| folder.join(path).is_file()).map(|path| format!("../{path}")),
         facts: facts(run, time),

@@ -97,7 +97,8 @@ pub struct Settings {
 pub struct Stored {
     /// 16 or 32 bits for each number.
     pub bits: u32,
-    /// The largest change of the mean of one of the 8 by 8 tiles by it, as a share; tiles darker than a tenth of the image count as a tenth.
+    /// The largest change of the mean of one of the 8 by 8 tiles by it, as a share; tiles darker than a tenth of the image count
+    /// as a tenth.
     pub change: f64,
 }
 

@@ -1,7 +1,8 @@
 //! References: images that are kept for a scene, as `references/<scene>/<name>.exr` of a project, each with its error and its origin.
 //!
 //! A reference is known by what was written for its renderer: where the scene says something else now, it is stale, and whoever uses it is
-//! told. [`find`] is for those who compare with it, [`list`] for those who look what is there; [`Wanted::render`] makes one, from chunks that
+//! told. [`find`] is for those who compare with it, [`list`] for those who look what is there; [`Wanted::render`] makes one, from
+//! chunks that
 //! are kept, so that a run of hours may be ended and goes on; [`add`] takes one from elsewhere.
 
 mod about;
@@ -140,22 +141,17 @@ pub fn file_of(references: &Path, scene: &str, name: &str) -> Option<PathBuf> {
 }
 
 /// The reference of a scene for a renderer or a target, if there is one; of a target that of the first renderer that reads its files, in
-/// the order in which they are listed. `scene` is as it is now, with the depth of paths that is compared; size, algorithm and samples do not
+/// the order in which they are listed. `scene` is as it is now, with the depth of paths that is compared; size, algorithm and samples
+/// do not
 /// matter.
 ///
 /// # Errors
 /// If a file is damaged or of other origin.
 pub fn find(references: &Path, scene: &Valid, choices: &Choices, name: &str) -> Result<Option<Found>, Failure> {
-    for name in names(name) {
-        let file = path(references, &scene.name, &name);
-        if !file.is_file() {
-            continue;
-        }
-        let Some((image, variance, about)) = store::decode(&file)? else { return Err(foreign(&file)) };
-        let stale = staleness(&about, scene, choices)?;
-        return Ok(Some(Found { file, image, variance, about, stale }));
-    }
-    Ok(None)
+    let Some(file) = file_of(references, &scene.name, name) else { return Ok(None) };
+    let Some((image, variance, about)) = store::decode(&file)? else { return Err(foreign(&file)) };
+    let stale = staleness(&about, scene, choices)?;
+    Ok(Some(Found { file, image, variance, about, stale }))
 }
 
 /// The names under which a reference for a renderer or target may be kept, the nearest first.

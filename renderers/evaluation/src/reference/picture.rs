@@ -46,7 +46,8 @@ impl Picture {
     }
 }
 
-/// The references of a scene that ltsc has rendered, that are not stale, and that have a whole number of times as many pixels along each side, in the order in which
+/// The references of a scene that ltsc has rendered, that are not stale, and that have a whole number of times as many pixels along
+/// each side, in the order in which
 /// renderers are listed.
 ///
 /// # Errors
@@ -56,12 +57,15 @@ pub fn pictures(
     scene: &Valid,
     choices: &Choices,
     (width, height): (usize, usize),
+    watch: &mut dyn Watch,
 ) -> Result<Vec<Picture>, Failure> {
     let mut all = Vec::new();
     for driver in DRIVERS.iter().filter(|driver| path(references, &scene.name, driver.name).is_file()) {
-        let Some(found) = find(references, scene, choices, driver.name)?.filter(|found| found.stale.is_none()) else {
+        let Some(found) = find(references, scene, choices, driver.name)? else { continue };
+        if let Some(stale) = &found.stale {
+            watch.note(&format!("{}: the reference by {} is stale and not shown: {stale}", scene.name, driver.name));
             continue;
-        };
+        }
         let block = (found.image.width / width.max(1)).max(1);
         let Ok(found) = found.reduced(width, height) else { continue };
         let Origin::Rendered { renderer, version, .. } = &found.about.origin else { continue };

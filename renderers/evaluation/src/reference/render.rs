@@ -13,7 +13,7 @@ use super::about::{About, Origin, Settings, convergence};
 use super::rounds::{Goal, Left, Made, Reached, chunk_samples, reach};
 use super::{path, store};
 use crate::chunk::Store;
-use crate::disk::Pages;
+use crate::disk::{Pages, probe};
 use crate::failure::{Exit, Failure};
 use crate::job::{Job, lacks, target_of};
 use crate::watch::Watch;
@@ -129,6 +129,7 @@ impl Wanted<'_> {
         check(driver, scene)?;
         let file = path(self.references, job.scene(), driver.name);
         let (there, replaced) = self.there(&file, job, scene)?;
+        probe(self.references)?;
         let place = format!("{}/{}.exr", job.scene(), driver.name);
         Pages::new(self.references, BY).refuse(&place, self.force)?;
         if is_blind(scene) && !self.force {
@@ -149,7 +150,8 @@ impl Wanted<'_> {
         Ok(kept)
     }
 
-    /// The same image in the place of this one, or what stands there else; what is neither stale nor an earlier version of this one is not to
+    /// The same image in the place of this one, or what stands there else; what is neither stale nor an earlier version of this
+    /// one is not to
     /// be written over but by force.
     fn there(&self, file: &Path, job: &Job<'_>, scene: &Valid) -> Result<(Option<About>, Option<String>), Failure> {
         if std::fs::symlink_metadata(file).is_err() {

@@ -16,7 +16,8 @@ use crate::watch::Watch;
 /// Mitsuba 3 in its scalar variant 8 s, Cycles 12 s, LuxCore 14 s).
 const WORK: usize = 1 << 22;
 
-/// The fewest and the most samples per pixel of a chunk. Mitsuba has 1024 seeds at 512 x 512 pixels, so that 65,536 samples are the most there.
+/// The fewest and the most samples per pixel of a chunk. Mitsuba has 1024 seeds at 512 x 512 pixels, so that 65,536 samples are the
+/// most there.
 const SIZES: (usize, usize) = (64, 256);
 
 /// The fewest chunks whose mean is kept; fewer tell too little of their error.
@@ -25,7 +26,8 @@ const FEWEST: u32 = 4;
 /// What is rendered at once beyond what the scatter asks for, as a share: half of all runs would end just short of the goal.
 const MORE: f64 = 0.02;
 
-/// Samples per pixel of each chunk of a reference of this size: a power of two that nothing else decides, so that chunks stay what they are.
+/// Samples per pixel of each chunk of a reference of this size: a power of two that nothing else decides, so that chunks stay what
+/// they are.
 #[must_use]
 pub fn chunk_samples((width, height): (usize, usize)) -> u32 {
     let wanted = (WORK / (width * height).max(1)).max(1);
@@ -158,10 +160,10 @@ pub fn reach(store: &Store, job: &Job<'_>, goal: &Goal, watch: &mut dyn Watch) -
         }
         let made = mean(store, job, Plan { samples, count })?;
         let needed = goal.needed(count, &made.error);
-        let reached = goal.of(&made.error) <= goal.error && count >= least.min(wanted);
+        let reached = goal.of(&made.error) <= goal.error;
         if reached || failed.is_some() || over() {
             // A goal that is just missed takes one more.
-            let rest = needed.saturating_sub(u64::from(count)).max(u64::from(least.saturating_sub(count))).max(1);
+            let rest = needed.saturating_sub(u64::from(count)).max(1);
             let left = (!reached).then(|| left(rest));
             return Ok(Reached { count, samples, made: Some(made), left, failed });
         }

@@ -1,7 +1,8 @@
 //! The file of a reference: the mean, and its standard error as a second layer, in half floats.
 //!
 //! Half floats have 11 significant bits between 6.1e-5 and 65504 and steps of 6e-8 below. The variance of a good reference of a usual
-//! brightness lies under that, its root does not: so the standard error is what is stored. 32 bits are stored where a value is too large, where the image is so dark that its
+//! brightness lies under that, its root does not: so the standard error is what is stored. 32 bits are stored where a value is too
+//! large, where the image is so dark that its
 //! error would be lost, or where rounding would move a tile by more than a tenth of the reference's error. Values are never scaled: whoever
 //! reads the file sees radiance.
 

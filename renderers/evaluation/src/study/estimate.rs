@@ -48,7 +48,7 @@ impl Estimate {
     /// Of an evaluation that is ready; nothing is rendered.
     #[must_use]
     pub fn of(evaluation: &Evaluation, prepared: &Prepared<'_>, store: &Store) -> Self {
-        let wanted: Vec<u32> = prepared.runs.iter().map(|run| run.plan.count).collect();
+        let wanted = super::work::wanted(prepared);
         let identities: Vec<String> = prepared.jobs.iter().map(crate::job::Job::identity).collect();
         let has = |job: usize, samples: u32, seed: u32| store.has(&identities[job], samples, seed);
         let tasks = tasks(prepared, &wanted);

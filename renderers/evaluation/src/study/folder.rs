@@ -105,7 +105,8 @@ pub(super) fn copy(job: &Job<'_>, sink: &mut DiskSink, below: &str) -> std::io::
     let Some(manifest) = Manifest::read(job.folder()) else { return Ok(()) };
     for path in manifest.files.keys() {
         let from = job.folder().join(path);
-        sink.file(&format!("{below}/{path}"), &mut |out| {
+        let name = if below.is_empty() { path.clone() } else { format!("{below}/{path}") };
+        sink.file(&name, &mut |out| {
             let (mut file, _) = ltsc_render::regular::open(&from)?;
             std::io::copy(&mut file, out).map(|_| ())
         })?;

@@ -4,10 +4,14 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use ltsc_core::files::Sink;
+use ltsc_core::pipeline::camera;
+use ltsc_core::survey::Seen;
 use ltsc_render::image::{Image, Provenance, layered_bytes, read, reduce};
 
 use crate::chunk::{Chunks, Machine, VARIANCE};
-use crate::compare::verdict::{Kept, Rendered, Stated, judge_in, judge_kept, judge_stated};
+use crate::compare::blame::{Blame, Noisy, blame};
+use crate::compare::moments::Moments;
+use crate::compare::verdict::{Kept, Outcome, Rendered, Stated, judge_in, judge_kept, judge_moments, judge_stated};
 use crate::compare::{CompareOptions, compare};
 use crate::disk::{DiskSink, unwritable};
 use crate::failure::{Exit, Failure};
@@ -25,6 +29,9 @@ use super::{Done, Folder, Study, tables};
 
 /// The evaluation's file, in the results.
 const FILE: &str = "evaluation.toml";
+
+/// Bytes of moments that are kept between the comparisons of a condition; beyond, they are gathered again.
+const MOST_MOMENTS: usize = 1 << 30;
 
 /// One side of a comparison, as it is.
 enum Side<'s> {
@@ -55,8 +62,14 @@ struct At<'a> {
     fates: &'a [Fate],
     sink: &'a mut DiskSink,
     folder: &'a Folder,
-    /// Mean images, by run: only those that are needed again.
-    means: BTreeMap<usize, Image>,
+    /// Mean images with their variances, by run.
+    means: BTreeMap<usize, (Image, Option<Image>)>,
+    /// Moments, by run, as far as memory allows.
+    moments: BTreeMap<usize, Moments>,
+    /// How many of them are kept.
+    kept: usize,
+    /// What pixels see, of images of a size; made when it is asked for.
+    seen: BTreeMap<(usize, usize), Option<Seen>>,
     /// Reference images by the file as it is written; the reason where one cannot be used.
     references: BTreeMap<String, Result<Reference, String>>,
 }
@@ -77,8 +90,18 @@ pub(super) fn judge(
     let (mut conditions, mut runs) = (Vec::new(), Vec::new());
     let mut names = Names::default();
     for (at, condition) in evaluation.conditions.iter().enumerate() {
-        let mut here =
-            At { study, prepared, fates, sink: &mut sink, folder, means: BTreeMap::new(), references: BTreeMap::new() };
+        let mut here = At {
+            study,
+            prepared,
+            fates,
+            sink: &mut sink,
+            folder,
+            means: BTreeMap::new(),
+            moments: BTreeMap::new(),
+            kept: 0,
+            seen: BTreeMap::new(),
+            references: BTreeMap::new(),
+        };
         let name = names.of(&condition.name);
         let own: Vec<usize> = (0..evaluation.runs.len()).filter(|run| evaluation.runs[*run].condition == at).collect();
         if own.is_empty() {
@@ -158,6 +181,7 @@ impl At<'_> {
             failure: None,
             image: None,
             files: None,
+            expected: None,
             width: job.size().0,
             height: job.size().1,
             samples: ready.plan.total(),
@@ -168,8 +192,16 @@ impl At<'_> {
             noise: None,
             non_finite: 0,
             stated: ready.stated.clone(),
+            defects: job.defects().map(str::to_owned).collect(),
         };
         let fate = &self.fates[at];
+        if let Some(manual) = &ready.manual {
+            let shown = manual.image.strip_prefix(self.study.base).unwrap_or(&manual.image);
+            made.expected = Some(shown.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "/"));
+        }
+        if matches!(fate, Fate::Awaited) {
+            made.status = Status::Awaited;
+        }
         if let Fate::Failed(failure) = fate {
             made.status = Status::Failed;
             made.failure = Some(failure.message.clone());
@@ -188,16 +220,20 @@ impl At<'_> {
             made.noise = timing::noise(&moments);
             made.non_finite = mean.non_finite();
             let variance = (chunks.files.len() > 1).then(|| moments.variance_image());
-            drop(moments);
+            let bytes = 64 * mean.pixels.len().max(1);
+            if self.kept < MOST_MOMENTS / bytes {
+                self.kept += 1;
+                self.moments.insert(at, moments);
+            }
             let path = format!("scenes/{condition}/{name}.exr");
             let bytes = image_bytes(&self.folder.path.join(&path), &mean, variance.as_ref(), &made, job.scene())?;
             self.sink.file(&path, &mut |out| out.write_all(&bytes)).map_err(failed)?;
             let log = format!("scenes/{condition}/{name}.log");
             self.sink.file(&log, &mut |out| chunks.write_logs(out)).map_err(failed)?;
             made.image = Some(path);
-            self.means.insert(at, mean);
+            self.means.insert(at, (mean, variance));
         }
-        if !matches!(fate, Fate::Skipped) && self.folder.keeps(matches!(fate, Fate::Failed(_))) {
+        if !matches!(fate, Fate::Skipped | Fate::Awaited) && self.folder.keeps(matches!(fate, Fate::Failed(_))) {
             let below = format!("files/{condition}/{name}");
             copy(job, self.sink, &below).map_err(failed)?;
             made.files = Some(below);
@@ -240,6 +276,7 @@ impl At<'_> {
             excused: false,
             verdict: None,
             refused: None,
+            blame: Vec::new(),
             metrics: Vec::new(),
             shift: None,
         };
@@ -257,7 +294,7 @@ impl At<'_> {
         let evaluation = self.study.evaluation;
         let Fate::Done(b) = &self.fates[pair.b] else { return Ok(Err(format!("`{}` was not rendered", made.b))) };
         made.samples.1 = b.cost.samples;
-        let Some(of_b) = self.means.get(&pair.b) else { return Ok(Err(format!("`{}` has no image", made.b))) };
+        let Some((of_b, _)) = self.means.get(&pair.b) else { return Ok(Err(format!("`{}` has no image", made.b))) };
         let (of_a, side_a) = match &pair.a {
             model::Side::File(file) => match self.references.get(file) {
                 Some(Ok(reference)) => (&reference.image, Side::Reference(reference)),
@@ -265,7 +302,7 @@ impl At<'_> {
                 None => return Ok(Err("the reference was not read".to_owned())),
             },
             model::Side::Run(at) => match (&self.fates[*at], self.means.get(at)) {
-                (Fate::Done(chunks), Some(image)) => {
+                (Fate::Done(chunks), Some((image, _))) => {
                     made.samples.0 = Some(chunks.cost.samples);
                     (image, Side::Rendered(chunks))
                 }
@@ -292,7 +329,15 @@ impl At<'_> {
             }
             Side::Rendered(a) => {
                 let a = Rendered { images: a.images(), samples: f64::from(a.samples) };
-                judge_stated(|within| judge_in(a, b, within, fine), evaluation.tolerance, more)
+                let kept = match &pair.a {
+                    model::Side::Run(at) => self.moments.get(at).zip(self.moments.get(&pair.b)),
+                    model::Side::File(_) => None,
+                };
+                let judge = |within| match kept {
+                    Some((of_a, of_b)) => judge_moments((a, of_a), (b, of_b), within, fine),
+                    None => judge_in(a, b, within, fine),
+                };
+                judge_stated(judge, evaluation.tolerance, more)
             }
             Side::Reference(a) => {
                 judge_stated(|within| judge_kept(a.kept(), b, within, fine), evaluation.tolerance, more)
@@ -300,12 +345,37 @@ impl At<'_> {
         };
         match judged {
             Ok((verdict, excused)) => {
+                let agrees = verdict.outcome == Outcome::Agree;
                 made.excused = excused;
                 made.verdict = Some(verdict);
+                if !agrees {
+                    made.blame = self.blame(pair);
+                }
                 Ok(Ok(()))
             }
             Err(error) => Ok(Err(error.to_string())),
         }
+    }
+
+    /// On what the difference of two images lies.
+    fn blame(&mut self, pair: &model::Pair) -> Vec<Blame> {
+        let run = self.study.evaluation.runs[pair.b];
+        let size = self.prepared.jobs[self.prepared.runs[pair.b].job].size();
+        let scene = &self.study.conditions[run.condition].scene;
+        let asked = &self.study.evaluation.scenes[self.study.evaluation.conditions[run.condition].scene];
+        let make = || Seen::of(scene, &scene.cameras[camera(scene, asked.camera.as_deref())?], size);
+        let Some(seen) = self.seen.entry(size).or_insert_with(make) else { return Vec::new() };
+        let Some((b, vb)) = self.means.get(&pair.b) else { return Vec::new() };
+        let b = Noisy { mean: b, variance: vb.as_ref() };
+        let a = match &pair.a {
+            model::Side::Run(at) => {
+                self.means.get(at).map(|(mean, variance)| Noisy { mean, variance: variance.as_ref() })
+            }
+            model::Side::File(file) => self.references.get(file).and_then(|found| found.as_ref().ok()).map(|found| {
+                Noisy { mean: &found.image, variance: found.kept.as_ref().and_then(|kept| kept.variance.as_ref()) }
+            }),
+        };
+        a.map_or(Vec::new(), |a| blame(a, b, seen))
     }
 
     /// Reads a reference, at the size of the run that is held against it.
@@ -357,7 +427,7 @@ impl At<'_> {
         let run = evaluation.runs[at];
         let first = evaluation.pairs.iter().find(|pair| pair.b == at);
         let reference = first.and_then(|pair| match &pair.a {
-            model::Side::Run(other) => self.means.get(other),
+            model::Side::Run(other) => self.means.get(other).map(|(mean, _)| mean),
             model::Side::File(file) => self.references.get(file)?.as_ref().ok().map(|reference| &reference.image),
         });
         let job = &self.prepared.jobs[self.prepared.runs[at].job];

@@ -10,6 +10,7 @@ mod clean;
 mod estimate;
 mod folder;
 mod judge;
+mod manual;
 mod names;
 mod prepare;
 pub mod results;
@@ -30,6 +31,7 @@ use crate::watch::Watch;
 pub use clean::{Removed, clean};
 pub use estimate::Estimate;
 pub use folder::{Clean, Folder, is_results};
+pub use manual::Manual;
 pub use prepare::{Loaded, Prepared, prepare};
 pub use runners::{Runners, runners};
 pub use work::{Fate, Options};
@@ -49,6 +51,8 @@ pub struct Done {
 pub struct Study<'a> {
     /// The evaluation.
     pub evaluation: &'a Evaluation,
+    /// Its scenes, in the order of [`Evaluation::conditions`].
+    pub conditions: &'a [Loaded],
     /// The text of its file.
     pub text: &'a str,
     /// The folder of its file, from which paths in it are seen.
@@ -72,6 +76,11 @@ impl Study<'_> {
         folder: &Folder,
         watch: &mut (dyn Watch + Send),
     ) -> Result<Done, Failure> {
+        for ready in &prepared.runs {
+            if let Some(manual) = &ready.manual {
+                manual.write(&prepared.jobs[ready.job], folder.force)?;
+            }
+        }
         let fates = work::render(self, prepared, watch)?;
         let done = judge::judge(self, prepared, &fates, folder, watch)?;
         Ok(done)

@@ -4,8 +4,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use ltsc_core::capability::Support;
 use ltsc_core::capability::algorithm;
+use ltsc_core::capability::{Feature, Support};
 use ltsc_core::diag::{Finding, Origin, Severity};
 use ltsc_core::formats::Choices;
 use ltsc_core::formats::statements::{Parameter, Statement, Statements};
@@ -13,6 +13,7 @@ use ltsc_core::ir::Documentation;
 use ltsc_core::ledger::Ledger;
 use ltsc_core::pipeline;
 use ltsc_core::valid::Valid;
+use ltsc_render::run::Driver;
 use rayon::prelude::*;
 
 use crate::chunk::Plan;
@@ -23,6 +24,7 @@ use crate::file::{Evaluation, LEAST_CHUNKS};
 use crate::job::{Job, Runner, Writing, stated, target_of};
 use crate::reference::of_file;
 
+use super::manual::Manual;
 use super::runners::Runners;
 
 /// The code of a finding that a case cannot be rendered.
@@ -50,6 +52,8 @@ pub struct Ready {
     pub seeded: bool,
     /// What the target states of the scene.
     pub stated: Vec<Stated>,
+    /// Where its files and images lie, if they are made by hand.
+    pub manual: Option<Manual>,
 }
 
 /// All runs of an evaluation.
@@ -77,7 +81,7 @@ pub fn prepare<'r>(
     let one = |run: &Run| {
         let runner = runners.get(evaluation.variant(*run).renderer)?;
         let mut findings = Vec::new();
-        let made = ready(evaluation, *run, &conditions[run.condition], runner, &mut findings);
+        let made = ready(evaluation, *run, &conditions[run.condition], runner, base, &mut findings);
         Some((made, findings))
     };
     let made: Vec<_> = evaluation.runs.par_iter().map(one).collect();
@@ -183,6 +187,7 @@ fn ready<'r>(
     run: Run,
     loaded: &Loaded,
     runner: &'r Runner,
+    base: &Path,
     findings: &mut Vec<Finding>,
 ) -> Option<(Job<'r>, Ready)> {
     let variant = evaluation.variant(run);
@@ -200,8 +205,11 @@ fn ready<'r>(
     };
     let (feature, _) = algorithm(&scene.integrator);
     let given = statements(variant);
-    // Statements may name another algorithm; files without any have the scene's.
-    if let (Support::Unsupported { why }, true) = ((target.supports)(feature), given.is_empty()) {
+    let silent = matches!((target.supports)(Feature::Path), Support::Unsupported { why: _ });
+    // Statements may name another algorithm; files without any have the scene's, or have no word for one.
+    if silent {
+        // What reads them has settings of its own.
+    } else if let (Support::Unsupported { why }, true) = ((target.supports)(feature), given.is_empty()) {
         let message = format!("`{}` has no {}, which `{}` asks for: {why}", target.name, feature.name(), asked.name);
         let finding = Finding::error(CANNOT, variant.span, message);
         findings.push(finding.help("say another integrator in the `settings` of the case, or leave the scene out"));
@@ -214,7 +222,8 @@ fn ready<'r>(
         return None;
     };
     let total = scene.sampler.samples();
-    let mut plan = plan(variant.chunks, u64::from(total));
+    let driver = runner.driver;
+    let mut plan = plan(driver, variant.chunks, u64::from(total));
     let mut scene = match pipeline::take_statements(scene, target, &given) {
         Ok((scene, remarks)) => {
             findings.extend(remarks);
@@ -236,7 +245,7 @@ fn ready<'r>(
     let said = own.as_ref().and_then(|job| job.effective()?.samples).filter(|said| *said != total);
     let job = match (own, said) {
         (Some(job), Some(said)) => {
-            plan = self::plan(variant.chunks, u64::from(said));
+            plan = self::plan(driver, variant.chunks, u64::from(said));
             job
         }
         _ => {
@@ -245,24 +254,58 @@ fn ready<'r>(
         }
     };
     let first_seed = variant.settings.seed.map_or(0, |seed| seed.value);
-    let seeded = seeded(&job, &label, variant, &mut plan, first_seed, findings)?;
-    if let Some(samples) = variant.settings.samples.filter(|samples| plan.total() != u64::from(samples.value)) {
+    let manual = evaluation.renderer(run).manual.then(|| Manual::of(evaluation, run, base));
+    let seeded = match &manual {
+        // The plan has what the files say; how many images there are is seen later.
+        Some(_) => {
+            plan = Plan::whole(plan.total());
+            false
+        }
+        None => seeded(&job, &label, variant, &mut plan, first_seed, findings)?,
+    };
+    let asked = variant.settings.samples.filter(|_| said.is_none());
+    if let Some(samples) = asked.filter(|samples| plan.total() != u64::from(samples.value)) {
         let Plan { samples: of, count } = plan;
         let message =
             format!("{} samples are rendered as {count} chunks of {of}: {} in all", samples.value, plan.total());
         findings.push(Finding::warn("evaluation-chunks", samples.span, message));
     }
-    let stated = stated(&scene, runner.driver);
+    few(driver, &label, variant, plan, findings);
+    let stated = stated(&scene, driver);
     let wrong = findings[before..].iter().any(|finding| finding.severity >= Severity::Deny);
-    (!wrong).then_some((job, Ready { job: 0, plan, first_seed, seeded, stated }))
+    (!wrong).then_some((job, Ready { job: 0, plan, first_seed, seeded, stated, manual }))
 }
 
 /// How samples are divided: into as many chunks as are asked for, or into chunks whose size depends on the samples alone, so that more
 /// samples need only the rest.
-fn plan(chunks: Option<u32>, samples: u64) -> Plan {
-    let Some(chunks) = chunks else { return Plan::of(samples) };
+fn plan(driver: &Driver, chunks: Option<u32>, samples: u64) -> Plan {
+    let Some(chunks) = chunks else { return Plan::for_driver(driver, samples) };
     let size = samples.div_ceil(u64::from(chunks.max(1))).max(1);
     Plan::with(samples, u32::try_from(size).unwrap_or(u32::MAX))
+}
+
+/// Says where chunks are too few, or too small.
+fn few(driver: &Driver, label: &str, variant: &Variant, plan: Plan, findings: &mut Vec<Finding>) {
+    let least = driver.least_samples;
+    let place = variant.settings.samples.map_or(variant.span, |samples| samples.span);
+    if plan.count > 1 && plan.samples < least {
+        let message =
+            format!("images of {} have an error in common with chunks of {} samples", driver.name, plan.samples);
+        let finding = Finding::warn("evaluation-chunks", place, message);
+        findings.push(
+            finding
+                .note("their scatter does not tell it, so that a verdict may take it for a difference")
+                .help(format!("ask for {least} samples for each chunk at least, or leave `chunks` out")),
+        );
+    } else if plan.count < LEAST_CHUNKS && least > 1 && variant.chunks.is_none() {
+        let message = format!("{} samples of the case `{label}` are too few for a verdict", plan.total());
+        let finding = Finding::warn("evaluation-chunks", place, message);
+        findings.push(finding.help(format!(
+            "a verdict takes {LEAST_CHUNKS} chunks, of {least} samples each in {}: {} samples",
+            driver.name,
+            LEAST_CHUNKS * least
+        )));
+    }
 }
 
 /// Whether the renderer renders independent images of the job; where it has one only, the plan becomes that one. None where it renders
@@ -312,11 +355,16 @@ mod tests {
 
     #[test]
     fn samples_are_divided_as_asked_or_so_that_more_need_only_the_rest() {
-        let of = |chunks, samples| (plan(chunks, samples).samples, plan(chunks, samples).count);
+        let driver = |name| ltsc_render::run::driver(name).expect("a driver");
+        let mitsuba = driver("mitsuba-3");
+        let of = |chunks, samples| (plan(mitsuba, chunks, samples).samples, plan(mitsuba, chunks, samples).count);
         assert_eq!(of(Some(4), 64), (16, 4));
         assert_eq!(of(Some(8), 100), (13, 8));
         assert_eq!(of(Some(8), 3), (1, 3));
         assert_eq!(of(None, 64), (8, 8));
         assert_eq!((of(None, 512), of(None, 1024)), ((64, 8), (64, 16)));
+        // Cycles has few independent images of few samples.
+        let cycles = plan(driver("cycles"), None, 256);
+        assert_eq!((cycles.samples, cycles.count), (64, 4));
     }
 }

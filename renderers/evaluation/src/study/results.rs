@@ -7,6 +7,7 @@ use ltsc_core::formats::effective::Effective;
 use ltsc_core::ir::Filter;
 use serde::{Deserialize, Serialize};
 
+use crate::compare::blame::Blame;
 use crate::compare::verdict::{Outcome, Stated, Verdict};
 use crate::compare::{Measure, Shift};
 
@@ -60,6 +61,8 @@ pub enum Status {
     Failed,
     /// It was not rendered, because another one had failed.
     Skipped,
+    /// It is made by hand, and is not there yet.
+    Awaited,
 }
 
 /// An image.
@@ -88,6 +91,9 @@ pub struct Run {
     /// Where the files for the renderer are kept, of a case that failed.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub files: Option<String>,
+    /// The image that somebody is to make, as it is seen from the evaluation's file; its files lie in the folder of the same name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub expected: Option<String>,
     /// Width in pixels.
     pub width: usize,
     /// Height in pixels.
@@ -108,6 +114,9 @@ pub struct Run {
     pub non_finite: usize,
     /// What the target states of the scene.
     pub stated: Vec<Stated>,
+    /// What the renderer is known to render otherwise.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub defects: Vec<String>,
 }
 
 /// Settings with which an image was rendered, in units of scenes.
@@ -175,6 +184,9 @@ pub struct Pair {
     pub verdict: Option<Verdict>,
     /// Why there is no verdict.
     pub refused: Option<String>,
+    /// On what the difference lies, the largest part first; empty where noise may have made it, or nothing differs.
+    #[serde(default)]
+    pub blame: Vec<Blame>,
     /// One entry for each metric.
     pub metrics: Vec<Measure>,
     /// The shift that moves B onto A.

@@ -62,6 +62,13 @@ fn runner(
     configured: &dyn Fn(&'static Driver) -> Result<Option<PathBuf>, Failure>,
     threads: Option<usize>,
 ) -> Result<Runner, Failure> {
+    if renderer.manual {
+        let driver = renderer.driver.or_else(|| without_driver(renderer.target.name));
+        return driver.map(Runner::manual).ok_or_else(|| {
+            let message = format!("nothing is known of files for `{}`", renderer.target.name);
+            Failure::new(crate::failure::Exit::Fault, message)
+        });
+    }
     let given = renderer.path.as_ref().map(|path| program(&path.value, base));
     let mut runner = match (&renderer.command, renderer.driver) {
         (Some(command), driver) => {

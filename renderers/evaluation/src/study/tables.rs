@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use crate::compare::METRICS;
+use crate::compare::blame::Blame;
 use crate::compare::verdict::{Outcome, Told};
 
 use super::results::{Condition, Pair, Results, Run, Status};
@@ -68,10 +69,12 @@ fn remarks(run: &Run) -> Vec<String> {
             all.push(format!("**failed**: {why}"));
         }
         Status::Skipped => all.push("not rendered".to_owned()),
+        Status::Awaited => all.push(format!("awaited as `{}`", run.expected.as_deref().unwrap_or_default())),
     }
     if let Some(files) = &run.files {
         all.push(format!("its files are in `{files}`"));
     }
+    all.extend(run.defects.iter().cloned());
     if run.non_finite > 0 {
         all.push(format!("{} pixels are infinite or not a number", run.non_finite));
     }
@@ -119,6 +122,7 @@ pub fn proof(pair: &Pair) -> Vec<String> {
         all.push(told.proof());
         all.push(format!("B / A {}", told.channels()));
         all.extend(told.notes());
+        all.extend(pair.blame.iter().map(Blame::text));
     }
     all.extend(pair.refused.iter().map(|why| format!("no verdict: {why}")));
     if !pair.unknown.is_empty() {
@@ -187,6 +191,7 @@ pub(super) fn images(results: &Results, timing: &Timing) -> String {
             Status::Done => "done",
             Status::Failed => "failed",
             Status::Skipped => "skipped",
+            Status::Awaited => "awaited",
         };
         let parameters: Vec<String> =
             condition.parameters.iter().map(|(name, value)| format!("{name}={value}")).collect();

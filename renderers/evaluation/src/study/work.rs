@@ -28,6 +28,13 @@ pub enum Fate {
     Failed(Failure),
     /// It was not rendered, because another one had failed.
     Skipped,
+    /// It is made by hand, and is not there yet.
+    Awaited,
+}
+
+/// How many chunks of each run are to be rendered at first.
+pub(super) fn wanted(prepared: &Prepared<'_>) -> Vec<u32> {
+    prepared.runs.iter().map(|run| if run.manual.is_some() { 0 } else { run.plan.count }).collect()
 }
 
 /// Renders what is not there. The fates are in the order of the runs.
@@ -36,7 +43,7 @@ pub fn render(
     prepared: &Prepared<'_>,
     watch: &mut (dyn Watch + Send),
 ) -> Result<Vec<Fate>, Failure> {
-    let mut wanted: Vec<u32> = prepared.runs.iter().map(|run| run.plan.count).collect();
+    let mut wanted = wanted(prepared);
     let mut failed: BTreeMap<usize, Failure> = BTreeMap::new();
     loop {
         let tasks = tasks(prepared, &wanted);
@@ -54,6 +61,10 @@ pub fn render(
     }
     let mut fates = Vec::new();
     for (at, (ready, count)) in prepared.runs.iter().zip(&wanted).enumerate() {
+        if let Some(manual) = &ready.manual {
+            fates.push(manual.chunks(ready.plan.samples).map_or(Fate::Awaited, Fate::Done));
+            continue;
+        }
         let plan = Plan { count: *count, ..ready.plan };
         fates.push(match failed.get(&at) {
             Some(Failure { exit, message, help }) => {

@@ -64,7 +64,7 @@ pub fn render_all(command: &Doc, scenes: &Scenes<'_>, folder: &Path) -> Result<(
         let sized = reference::prepared(scene.clone(), Some(command.size), None, None)?;
         let size = (sized.film.width as usize, sized.film.height as usize);
         let references = reference::folder(&project.root);
-        let mut made = reference::pictures(&references, &scene, &project.choices, size)?;
+        let mut made = reference::pictures(&references, &scene, &project.choices, size, &mut Watcher::default())?;
         let kept = !made.is_empty();
         if kept {
             terminal::say(&format!("{name}: pictures of what is kept in {}", references.display()));
@@ -184,7 +184,13 @@ fn pictures_of(scene: &str, made: &[Picture], folder: &Path) -> Result<Made, Fai
     let mut facts = Vec::new();
     for picture in made {
         let Picture { renderer, version, image, .. } = picture;
-        put(format!("{renderer} {version}"), renderer, image.width, image.height, &shown_rgb8(image, stops))?;
+        put(
+            format!("{renderer} {version}, {}", picture.algorithm),
+            renderer,
+            image.width,
+            image.height,
+            &shown_rgb8(image, stops),
+        )?;
         facts.push((renderer.clone(), picture.facts()));
     }
     facts.push(("exposure of the pictures".to_owned(), format!("{stops:+.1} stops")));

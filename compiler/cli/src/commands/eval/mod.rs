@@ -62,7 +62,6 @@ pub fn run(command: &Eval) -> Result<Exit, Failure> {
         Err(found) => return Ok(said.refuse(found)),
     };
     said.remark(prepared.findings.clone());
-    drop(conditions);
     let store = store(command)?;
     if command.dry_run {
         return Ok(show::dry(&Estimate::of(&evaluation, &prepared, &store), command.findings.format));
@@ -71,6 +70,7 @@ pub fn run(command: &Eval) -> Result<Exit, Failure> {
     let executor = (executor.make)(&resources(command))?;
     let study = Study {
         evaluation: &evaluation,
+        conditions: &conditions,
         text: &text,
         base: &around.base,
         store: &store,

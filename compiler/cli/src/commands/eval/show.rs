@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 
 use ltsc_evaluation::compare::verdict::{Outcome, Told};
-use ltsc_evaluation::study::results::{Pair, Results, Status};
+use ltsc_evaluation::study::results::{Condition, Pair, Results, Status};
 use ltsc_evaluation::study::{Done, Estimate, Folder};
 use serde_json::json;
 
@@ -12,7 +12,7 @@ use crate::args::{Eval, Format};
 use crate::output::Exit;
 use crate::terminal;
 
-use super::super::said::from_here;
+use super::super::said::{from_here, plural};
 
 /// The plan.
 pub fn dry(estimate: &Estimate, format: Format) -> Exit {
@@ -81,6 +81,15 @@ pub fn done(done: &Done, folder: &Folder, page: Option<&Path>, command: &Eval) -
             terminal::help(&format!("the files that it was given are in {}", from_here(&folder.path.join(files))));
         }
     }
+    for (condition, run) in results.runs().filter(|(_, run)| run.status == Status::Awaited) {
+        let expected = run.expected.as_deref().unwrap_or_default();
+        terminal::say(&format!(
+            "{}: {} is made by hand: render what lies in {} to {expected}",
+            condition.name,
+            run.label,
+            expected.trim_end_matches(".exr")
+        ));
+    }
     let skipped = results.runs().filter(|(_, run)| run.status == Status::Skipped).count();
     if skipped > 0 {
         terminal::say(&format!("{skipped} images were not rendered; `--keep-going` goes on where one fails"));
@@ -88,8 +97,16 @@ pub fn done(done: &Done, folder: &Folder, page: Option<&Path>, command: &Eval) -
     let [agree, differ, undecided, none] = results.outcomes();
     let none = if none > 0 { format!(", {none} without a verdict") } else { String::new() };
     let total = pairs(results).count();
-    let plural = if total == 1 { "" } else { "s" };
-    terminal::say(&format!("{total} comparison{plural}: {agree} agree, {differ} differ, {undecided} undecided{none}"));
+    let images = results.runs().filter(|(_, run)| run.status == Status::Done).count();
+    if total == 0 {
+        terminal::say(&format!(
+            "{}, and nothing to compare: a second case, or a `reference`, is compared with it",
+            plural(images, "image")
+        ));
+    } else {
+        let words = plural(total, "comparison");
+        terminal::say(&format!("{words}: {agree} agree, {differ} differ, {undecided} undecided{none}"));
+    }
     terminal::say(&format!("{} written: begin with summary.md", from_here(&folder.path)));
     if let Some(page) = page {
         terminal::say(&format!("open {} in a browser", from_here(page)));
@@ -99,7 +116,7 @@ pub fn done(done: &Done, folder: &Folder, page: Option<&Path>, command: &Eval) -
 
 fn exit(results: &Results, require_agree: bool) -> Exit {
     let [_, differ, undecided, none] = results.outcomes();
-    if results.runs().any(|(_, run)| run.status != Status::Done) {
+    if results.runs().any(|(_, run)| matches!(run.status, Status::Failed | Status::Skipped)) {
         return Exit::Environment;
     }
     let no = differ > 0 || require_agree && undecided + none > 0;
@@ -126,6 +143,10 @@ fn line(pair: &Pair) -> String {
 /// All comparisons, for people.
 fn text(results: &Results) -> String {
     let mut text = String::new();
+    let defects = |condition: &Condition, pair: &Pair| -> Vec<String> {
+        let of = condition.runs.iter().filter(|run| run.label == pair.b || !pair.reference && run.label == pair.a);
+        of.flat_map(|run| run.defects.iter().map(|what| format!("{}: {what}", run.driver))).collect()
+    };
     for condition in results.conditions.iter().filter(|condition| !condition.pairs.is_empty()) {
         let _written = writeln!(text, "{}", terminal::strong(&condition.name, true));
         for pair in &condition.pairs {
@@ -140,6 +161,12 @@ fn text(results: &Results) -> String {
             let _written = writeln!(text, "        B / A {}", told.channels());
             for note in told.notes() {
                 let _written = writeln!(text, "        {note}");
+            }
+            for what in defects(condition, pair) {
+                let _written = writeln!(text, "        {what}");
+            }
+            for blame in &pair.blame {
+                let _written = writeln!(text, "        {}", blame.text());
             }
             if told.verdict.outcome != Outcome::Agree
                 && let Some(shift) = pair.shift.filter(|shift| (shift.dx, shift.dy) != (0, 0))

@@ -3,12 +3,9 @@
 //! All that a cell needs is a sum over its pixels, or a largest value, so the tiles of the finest grid are gathered once, and coarser
 //! cells are put together from them.
 
-use super::super::moments::{Moments, PARTS};
+use super::super::moments::{FINE, Moments, PARTS, TileSums, tile_of};
 use super::super::{CompareError, Images};
 use super::GRIDS;
-
-/// Tiles along each side of the finest grid.
-const FINE: usize = GRIDS[0];
 
 /// Sums over the pixels of a cell, of the channels or with grey at the end.
 #[derive(Clone, Copy, Default)]
@@ -57,7 +54,7 @@ impl Place {
 pub(super) struct Side {
     tiles: Vec<Sums>,
     /// Of each image the sums over the tiles.
-    images: Vec<Vec<[f64; PARTS]>>,
+    images: Vec<TileSums>,
     /// How the errors hang together, where that is known and the images are not.
     known: Option<Noise>,
     /// How many images there are.
@@ -92,11 +89,6 @@ pub(super) struct Noise {
     pub together: bool,
 }
 
-/// The tile of the finest grid that each column, or row, lies in.
-fn tile_of(size: usize) -> Vec<usize> {
-    (0..FINE).flat_map(|at| std::iter::repeat_n(at, (at + 1) * size / FINE - at * size / FINE)).collect()
-}
-
 /// The tile of each pixel.
 fn tiles_of(moments: &Moments) -> Vec<usize> {
     let (columns, rows) = (tile_of(moments.width), tile_of(moments.height));
@@ -118,20 +110,24 @@ fn sums_of(moments: &Moments, mask: &[bool]) -> Vec<Sums> {
 impl Side {
     /// Takes the statistics of images of one size; `samples` are those of one image, and pixels in the `mask` are left out.
     pub fn of(moments: &Moments, images: Images<'_>, mask: &[bool], samples: f64) -> Result<Self, CompareError> {
-        let tile = tiles_of(moments);
         let tiles = sums_of(moments, mask);
         let count = images.count();
-        let mut sums = Vec::with_capacity(count);
+        let mut sums = Vec::new();
         // One image tells nothing of its noise.
-        for at in 0..if count > 1 { count } else { 0 } {
-            let image = images.get(at)?;
-            let mut of = vec![[0.0; PARTS]; FINE * FINE];
-            for at in (0..mask.len()).filter(|at| !mask[*at]) {
-                let [r, g, b] = image.pixels[at].map(f64::from);
-                let sum = &mut of[tile[at]];
-                [r, g, b, (r + g + b) / 3.0].into_iter().zip(sum).for_each(|(value, sum)| *sum += value);
+        if count > 1 && !mask.contains(&true) {
+            sums = moments.tiles().to_vec();
+        } else if count > 1 {
+            let tile = tiles_of(moments);
+            for at in 0..count {
+                let image = images.get(at)?;
+                let mut of = [[0.0; PARTS]; FINE * FINE];
+                for at in (0..mask.len()).filter(|at| !mask[*at]) {
+                    let [r, g, b] = image.pixels[at].map(f64::from);
+                    let sum = &mut of[tile[at]];
+                    [r, g, b, (r + g + b) / 3.0].into_iter().zip(sum).for_each(|(value, sum)| *sum += value);
+                }
+                sums.push(of);
             }
-            sums.push(of);
         }
         Ok(Self { tiles, images: sums, known: None, count: count as f64, samples })
     }
@@ -167,7 +163,7 @@ impl Side {
     /// The same as the means of the images have it.
     pub fn by_images(&self, cell: Place, part: usize) -> f64 {
         let size = self.size(cell);
-        let of = |image: &Vec<[f64; PARTS]>| cell.tiles().map(|tile| image[tile][part]).sum::<f64>() / size;
+        let of = |image: &TileSums| cell.tiles().map(|tile| image[tile][part]).sum::<f64>() / size;
         let means: Vec<f64> = self.images.iter().map(of).collect();
         let mean = means.iter().sum::<f64>() / self.count;
         means.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / ((self.count - 1.0).max(1.0) * self.count)

@@ -197,8 +197,34 @@ fn glare_and_what_is_no_number_is_left_out() {
     a.iter_mut().for_each(|image| image.pixels[7] = [5000.0; 3]);
     b[1].pixels[9] = [f32::NAN; 3];
     let verdict = judged(&a, &b);
-    assert_eq!((verdict.masked, verdict.images), (2, (3, 3)));
+    // One in the first row with the five around it, and one that is no number.
+    assert_eq!((verdict.masked, verdict.images), (7, (3, 3)));
     assert!((verdict.channels[0].ratio.expect("light") - 1.0).abs() < 0.01);
+}
+
+/// A light covers one pixel, and of the one beside it a part that few samples hit.
+#[test]
+fn the_edge_of_a_light_is_left_out_with_it() {
+    let lit = |seed: u64| {
+        let mut random = Random::new(seed);
+        let mut images = even(8, 0.1, seed + 1);
+        for image in &mut images {
+            image.pixels[100] = [5000.0; 3];
+            image.pixels[101] = [if random.next() < 0.3 { 40.0 } else { 0.0 }; 3];
+        }
+        images
+    };
+    for seed in 0..5 {
+        let verdict = judged(&lit(10 * seed + 3), &lit(10 * seed + 7));
+        assert_eq!((verdict.outcome, verdict.masked), (Outcome::Agree, 9), "{:?}", verdict.worst);
+    }
+    // Two pixels away nothing is left out.
+    let off = |seed| {
+        let mut images = lit(seed);
+        images.iter_mut().for_each(|image| image.pixels[102] = [9.0; 3]);
+        images
+    };
+    assert_eq!(judged(&lit(61), &off(67)).outcome, Outcome::Differ);
 }
 
 #[test]

@@ -39,18 +39,26 @@ impl Told<'_> {
         match verdict.outcome {
             Outcome::Agree => format!("within {within}"),
             Outcome::Differ => {
-                format!("{}, z {:.1}, by more than {within}", place(&verdict.worst, verdict.side()), verdict.worst.z)
+                let cell = &verdict.worst;
+                let share = if cell.grid == 1 { verdict.tolerance.whole } else { verdict.tolerance.tiles };
+                format!("{}, z {:.1}, by more than {:.1} %", place(cell, verdict.side()), cell.z, 100.0 * share)
             }
             Outcome::Undecided if self.excused => {
                 format!("{}, by more than {within}, which the targets state", place(&verdict.worst, verdict.side()))
             }
             Outcome::Undecided => {
                 let open = verdict.tiles.iter().filter(|tile| **tile != Outcome::Agree).count();
-                let samples = |samples: Option<f64>| samples.map_or("more than can be told".to_owned(), rounded);
-                let needed = verdict.needed.map_or(String::new(), |needed| {
-                    let (half, most) = (samples(needed.half), samples(needed.most));
-                    format!("; if they are equal, {half} samples per pixel would show it in one of two cases, {most} in nine of ten")
-                });
+                let needed = match verdict.needed.map(|needed| (needed.half, needed.most)) {
+                    None => String::new(),
+                    Some((None, _)) => {
+                        "; if they are equal, ten thousand times the samples would not show it".to_owned()
+                    }
+                    Some((Some(half), most)) => {
+                        let most = most.map_or(String::new(), |most| format!(", {} in nine of ten", rounded(most)));
+                        let half = rounded(half);
+                        format!("; if they are equal, {half} samples per pixel would show it in one of two cases{most}")
+                    }
+                };
                 format!("{open} tiles not within {within}{needed}")
             }
         }
