@@ -294,6 +294,6 @@
     else later ??= setTimeout(() => {
       later = null;
       ask();
-    }, 150);
+    }, 300);
   });
 }
