@@ -134,6 +134,32 @@ fn group(seen: &Seen, pixel: usize) -> (Kind, &str) {
     }
 }
 
+/// Which pixels are in which group: the groups, and for each pixel the number of its own, 255 where there are more than 255 of them.
+#[must_use]
+pub fn groups(seen: &Seen) -> (Vec<Group>, Vec<u8>) {
+    let mut found: Vec<Group> = Vec::new();
+    let pixels = (0..seen.width * seen.height).map(|pixel| {
+        let (kind, name) = group(seen, pixel);
+        let at = found.iter().position(|known| known.kind == kind && known.name == name).unwrap_or_else(|| {
+            found.push(Group { kind, name: name.to_owned() });
+            found.len() - 1
+        });
+        u8::try_from(at).unwrap_or(u8::MAX)
+    });
+    let pixels = pixels.collect();
+    found.truncate(usize::from(u8::MAX));
+    (found, pixels)
+}
+
+/// Pixels that have something in common.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Group {
+    /// What it is.
+    pub kind: Kind,
+    /// The name of the material, as of [`Blame::name`].
+    pub name: String,
+}
+
 impl Blame {
     /// In words: `82 % of the difference lies on edges, 7 % of the pixels`.
     #[must_use]

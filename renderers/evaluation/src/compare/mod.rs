@@ -26,7 +26,7 @@ pub use images::Images;
 pub use maps::{MAPS, Map, flip_exposures, flip_map, hdr_flip_map, mean_of_map};
 pub use metrics::{METRICS, Metric};
 pub use pair::{Pair, Value};
-pub use picture::{difference_png, difference_rgb8, exposure, png, relative_rgb8, shown_rgb8};
+pub use picture::{difference_png, difference_rgb8, exposure, grey_png, png, read_grey_png, relative_rgb8, shown_rgb8};
 pub use shift::Shift;
 pub use shown::pair_exposure;
 pub use ssim::ssim_map;

@@ -88,16 +88,41 @@ pub fn difference_png(path: &Path, a: &Image, b: &Image, exposure: f64) -> Resul
 /// # Errors
 /// Gives an error if the values are not `3 * width * height`.
 pub fn png(path: &Path, width: usize, height: usize, pixels: &[u8]) -> Result<Vec<u8>, ImageError> {
+    encoded(path, (width, height), pixels, image::ExtendedColorType::Rgb8)
+}
+
+/// One value of 8 bits for each pixel, row by row, as a PNG file; `path` is for the error.
+///
+/// # Errors
+/// Gives an error if the values are not `width * height`.
+pub fn grey_png(path: &Path, width: usize, height: usize, pixels: &[u8]) -> Result<Vec<u8>, ImageError> {
+    encoded(path, (width, height), pixels, image::ExtendedColorType::L8)
+}
+
+fn encoded(
+    path: &Path,
+    (width, height): (usize, usize),
+    pixels: &[u8],
+    color: image::ExtendedColorType,
+) -> Result<Vec<u8>, ImageError> {
     let unwritable = |message: String| ImageError::Unwritable { path: path.to_owned(), message };
-    if pixels.len() != 3 * width * height {
+    if pixels.len() != usize::from(color.channel_count()) * width * height {
         return Err(unwritable(format!("{} values for {width} x {height} pixels", pixels.len())));
     }
     let side = |size: usize| u32::try_from(size).map_err(|_| unwritable("too large".to_owned()));
     let mut png = Vec::new();
     image::codecs::png::PngEncoder::new(&mut png)
-        .write_image(pixels, side(width)?, side(height)?, image::ExtendedColorType::Rgb8)
+        .write_image(pixels, side(width)?, side(height)?, color)
         .map_err(|error| unwritable(error.to_string()))?;
     Ok(png)
+}
+
+/// Reads a grey PNG of 8 bits back: width, height, and one value for each pixel; nothing of another file.
+#[must_use]
+pub fn read_grey_png(bytes: &[u8]) -> Option<(usize, usize, Vec<u8>)> {
+    let picture = image::load_from_memory_with_format(bytes, image::ImageFormat::Png).ok()?;
+    let image::DynamicImage::ImageLuma8(picture) = picture else { return None };
+    Some((picture.width() as usize, picture.height() as usize, picture.into_raw()))
 }
 
 /// A value in sRGB, rounded to 8 bits.

@@ -7,9 +7,10 @@ use ltsc_render::image::{self, Attributes, Image, ImageError, Provenance};
 use ltsc_render::regular;
 
 use super::described;
-use super::model::{Fact, Model, Pair, Picture, Row, Scene, Worst};
+use super::model::{Blamed, Fact, Model, Pair, Picture, Row, Scene, Worst};
 use super::write::{FOLDER, is_page};
 use crate::chunk::VARIANCE;
+use crate::compare::blame::Kind;
 use crate::compare::verdict::{Stated, Told};
 use crate::compare::{MAPS, METRICS};
 use crate::failure::{Exit, Failure, why};
@@ -29,6 +30,9 @@ const LARGEST: u64 = 1 << 28;
 /// An image, its variance, and what its header says.
 pub(super) type Read = (Image, Option<Image>, Attributes);
 
+/// Which pixels see what: scene, file, size, names of groups.
+pub(super) type Seen = (usize, PathBuf, (usize, usize), Vec<String>);
+
 /// A page before its pixels are looked at.
 pub struct Book {
     pub(super) model: Model,
@@ -36,6 +40,8 @@ pub struct Book {
     pub(super) paths: Vec<Option<PathBuf>>,
     /// The layers that are meant, of files that have several and no picture of their own.
     pub(super) layers: BTreeMap<usize, String>,
+    /// Which pixels see what: scene, file, size, names of groups.
+    pub(super) groups: Vec<Seen>,
     /// Comparisons that no evaluation has made: scene, number in its list.
     pub(super) open: Vec<(usize, usize)>,
     /// How errors fell, where it is known.
@@ -80,7 +86,15 @@ impl Book {
             metrics: metrics.collect(),
             ..Model::default()
         };
-        Self { model, paths: Vec::new(), layers: BTreeMap::new(), open: Vec::new(), timing: None, wanted: Vec::new() }
+        Self {
+            model,
+            paths: Vec::new(),
+            layers: BTreeMap::new(),
+            groups: Vec::new(),
+            open: Vec::new(),
+            timing: None,
+            wanted: Vec::new(),
+        }
     }
 
     /// Adds an image to a scene, with a label that no other one of the scene has.
@@ -243,6 +257,10 @@ fn of_results(
             let picture = picture(run, time, folder);
             numbers.insert(run.label.clone(), book.add(at, picture, path));
         }
+        for found in &condition.groups {
+            let names = found.names.iter().map(|one| group(one.kind, &one.name)).collect();
+            book.groups.push((at, folder.join(&found.file), (found.width, found.height), names));
+        }
         for pair in &condition.pairs {
             if pair.reference {
                 let wanted = Wanted { scene: at, pair: book.model.scenes[at].pairs.len(), from: pair.a.clone() };
@@ -330,6 +348,11 @@ fn facts(run: &results::Run, time: Option<&timing::Run>) -> Vec<Fact> {
     facts
 }
 
+/// What a group of pixels is called within a page.
+fn group(kind: Kind, name: &str) -> String {
+    format!("{kind:?} {name}")
+}
+
 /// A comparison of an evaluation.
 fn compared(pair: &results::Pair, numbers: &BTreeMap<String, usize>) -> Pair {
     let told = pair.verdict.as_ref().map(|verdict| Told { verdict, stated: &pair.stated, excused: pair.excused });
@@ -356,6 +379,11 @@ fn compared(pair: &results::Pair, numbers: &BTreeMap<String, usize>) -> Pair {
         notes,
         refused: pair.refused.clone(),
         metrics: pair.metrics.iter().map(|measure| (measure.name.clone(), measure.value.overall)).collect(),
+        blame: pair
+            .blame
+            .iter()
+            .map(|blame| Blamed { words: blame.text(), group: group(blame.kind, &blame.name) })
+            .collect(),
         tiles: verdict.map(super::measured::judged),
         worst: verdict.map(|verdict| Worst {
             grid: verdict.worst.grid,

@@ -78,6 +78,30 @@ pub struct Scene {
     pub pairs: Vec<Pair>,
     /// Its plots.
     pub plots: Vec<Plot>,
+    /// Which pixels see what, by the size of images.
+    pub groups: Vec<Groups>,
+}
+
+/// Which pixels of images of a size see what.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Groups {
+    /// Width of the images.
+    pub width: usize,
+    /// Their height.
+    pub height: usize,
+    /// The script that brings a number for each pixel.
+    pub data: String,
+    /// What groups are called, as [`Blamed::group`] names them.
+    pub names: Vec<String>,
+}
+
+/// A part of a difference.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Blamed {
+    /// In words.
+    pub words: String,
+    /// The group of pixels on which it lies.
+    pub group: String,
 }
 
 /// An image.
@@ -174,6 +198,8 @@ pub struct Pair {
     pub metrics: Vec<(String, Option<f64>)>,
     /// The grid of tiles.
     pub tiles: Option<Tiles>,
+    /// On what the difference lies, the largest part first.
+    pub blame: Vec<Blamed>,
     /// The cell that differs most for its noise.
     pub worst: Option<Worst>,
 }

@@ -62,6 +62,12 @@ pub(super) fn script(image: &Image, data: &Data, number: usize, part: &str, [x, 
     format!("ltsc.bring({number},\"{part}\",\"{text}\");\n").into_bytes()
 }
 
+/// The script that brings one byte for each pixel.
+pub(super) fn group_script(name: &str, pixels: &[u8]) -> Vec<u8> {
+    let text = STANDARD.encode(miniz_oxide::deflate::compress_to_vec_zlib(pixels, EFFORT));
+    format!("ltsc.groups(\"{name}\",\"{text}\");\n").into_bytes()
+}
+
 /// The bytes of numbers, most significant first: all first bytes of the first channel, then all second ones, and so on.
 fn planes(pixels: &[[f32; 3]], data: &Data) -> Vec<u8> {
     let channels = if data.grey { 1 } else { 3 };

@@ -5,12 +5,13 @@ use std::path::Path;
 
 use ltsc_core::files::Sink;
 use ltsc_render::image::{Image, ImageError};
+use ltsc_render::regular;
 
 use super::gather::{Book, header};
 use super::measured::{Side, measure};
-use super::model::{Model, Picture};
+use super::model::{Groups, Model, Picture};
 use super::{pixels, plots};
-use crate::compare::png;
+use crate::compare::{png, read_grey_png};
 use crate::disk::{DiskSink, Manifest, unwritable};
 use crate::failure::{Exit, Failure, why};
 use crate::watch::Watch;
@@ -26,6 +27,9 @@ const EXACT: usize = 40_000_000;
 
 /// Bytes of images that are held at once; others are read again where they are needed.
 const HELD: usize = 1 << 30;
+
+/// The largest picture of groups that is read.
+const LARGEST_PNG: u64 = 1 << 28;
 
 /// What runs in the browser, in the order in which it is loaded.
 const SCRIPTS: &[(&str, &str)] = &[
@@ -144,6 +148,7 @@ pub fn write(mut book: Book, folder: &Path, force: bool, watch: &mut dyn Watch) 
         }
     }
     drop(held);
+    groups(&mut book, &mut out)?;
     for (path, bytes) in plots::all(&mut book.model, book.timing.as_ref()) {
         out.put(&path, bytes.as_bytes())?;
     }
@@ -241,6 +246,21 @@ fn image(book: &mut Book, number: usize, held: &Held, out: &mut Out) -> Result<(
             picture.data = None;
             unreadable(picture, "it was changed while the page was made".to_owned());
         }
+    }
+    Ok(())
+}
+
+/// Writes which pixels see what, as far as the files are there and of the size they are said to have.
+fn groups(book: &mut Book, out: &mut Out) -> Result<(), Failure> {
+    for (number, (scene, file, size, names)) in std::mem::take(&mut book.groups).into_iter().enumerate() {
+        let bytes = regular::read(&file, LARGEST_PNG).ok();
+        let Some((width, height, pixels)) = bytes.and_then(|bytes| read_grey_png(&bytes)) else { continue };
+        if (width, height) != size {
+            continue;
+        }
+        let data = format!("data/g{number}.js");
+        out.put(&data, &pixels::group_script(&data, &pixels))?;
+        book.model.scenes[scene].groups.push(Groups { width, height, data, names });
     }
     Ok(())
 }

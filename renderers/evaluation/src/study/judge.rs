@@ -9,10 +9,10 @@ use ltsc_core::survey::Seen;
 use ltsc_render::image::{Image, Provenance, layered_bytes, read, reduce};
 
 use crate::chunk::{Chunks, Machine, VARIANCE};
-use crate::compare::blame::{Blame, Noisy, blame};
+use crate::compare::blame::{Blame, Noisy, blame, groups};
 use crate::compare::moments::Moments;
 use crate::compare::verdict::{Kept, Outcome, Rendered, Stated, judge_in, judge_kept, judge_moments, judge_stated};
-use crate::compare::{CompareOptions, compare};
+use crate::compare::{CompareOptions, compare, grey_png};
 use crate::disk::{DiskSink, unwritable};
 use crate::failure::{Exit, Failure};
 use crate::file::model::{self, Run};
@@ -125,11 +125,13 @@ pub(super) fn judge(
             runs.extend(here.timing(*run)?);
         }
         here.references(&name).map_err(failed)?;
+        let groups = here.groups(&name, &pairs)?;
         conditions.push(results::Condition {
             name: condition.name.clone(),
             scene: evaluation.scenes[condition.scene].name.clone(),
             parameters: condition.set.iter().cloned().collect(),
             swept: condition.swept.iter().map(|(name, _)| name.clone()).collect(),
+            groups,
             documentation: prepared.documentation.get(at).cloned().unwrap_or_default(),
             runs: made,
             pairs,
@@ -376,6 +378,26 @@ impl At<'_> {
             }),
         };
         a.map_or(Vec::new(), |a| blame(a, b, seen))
+    }
+
+    /// Which pixels are in the groups on which differences lie, beside the images.
+    fn groups(&mut self, condition: &str, pairs: &[results::Pair]) -> Result<Vec<results::Groups>, Failure> {
+        if pairs.iter().all(|pair| pair.blame.is_empty()) {
+            return Ok(Vec::new());
+        }
+        let mut all = Vec::new();
+        for ((width, height), seen) in &self.seen {
+            let Some(seen) = seen else { continue };
+            let (names, pixels) = groups(seen);
+            let file = format!("scenes/{condition}/seen {width} x {height}.png");
+            let bytes = grey_png(&self.folder.path.join(&file), *width, *height, &pixels)
+                .map_err(|error| Failure::new(Exit::Environment, error.to_string()))?;
+            self.sink
+                .file(&file, &mut |out| out.write_all(&bytes))
+                .map_err(|error| unwritable(&self.folder.path, &error))?;
+            all.push(results::Groups { file, width: *width, height: *height, names });
+        }
+        Ok(all)
     }
 
     /// Reads a reference, at the size of the run that is held against it.

@@ -7,7 +7,7 @@ use ltsc_core::formats::effective::Effective;
 use ltsc_core::ir::Filter;
 use serde::{Deserialize, Serialize};
 
-use crate::compare::blame::Blame;
+use crate::compare::blame::{Blame, Group};
 use crate::compare::verdict::{Outcome, Stated, Verdict};
 use crate::compare::{Measure, Shift};
 
@@ -42,6 +42,9 @@ pub struct Condition {
     pub parameters: BTreeMap<String, String>,
     /// The parameters that are swept.
     pub swept: Vec<String>,
+    /// Which pixels see what, of the sizes of images on whose differences something is to blame.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub groups: Vec<Groups>,
     /// What the scene's file says of it.
     #[serde(default, skip_serializing_if = "String::is_empty")]
     pub documentation: String,
@@ -49,6 +52,19 @@ pub struct Condition {
     pub runs: Vec<Run>,
     /// Its comparisons.
     pub pairs: Vec<Pair>,
+}
+
+/// Which pixels of images of a size see what.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Groups {
+    /// A grey PNG, beside this file, whose values are numbers of groups.
+    pub file: String,
+    /// Its width, and that of the images.
+    pub width: usize,
+    /// Its height.
+    pub height: usize,
+    /// The groups.
+    pub names: Vec<Group>,
 }
 
 /// How far an image has come.

@@ -33,7 +33,7 @@
           const title = `${scene.name}: `;
           if (q === null && now.show !== "a") return { kind: "none", title: title + (picture(b)?.label ?? "–"), why: "this scene has no such image", at };
           if (now.show === "map") return { ...map(p, q, title + versus(p, q)), at };
-          return { ...image(shown), title: title + (picture(shown)?.label ?? "–"), at };
+          return { ...image(shown), title: title + (picture(shown)?.label ?? "–"), at, like: p };
         });
       }
       const images = ltsc.book.scenes[now.scene].images;
@@ -77,7 +77,7 @@
         return { ...one, figure, canvas, note, caption, seen: S.now.layout !== "grid" };
       });
     } else {
-      panes = wanted.map((one, at) => ({ ...panes[at], pick: undefined, ...one }));
+      panes = wanted.map((one, at) => ({ ...panes[at], pick: undefined, at: undefined, like: undefined, ...one }));
     }
     stage.className = `stage ${S.now.layout}`;
     stage.style.setProperty("--columns", String(columns()));
@@ -126,7 +126,8 @@
     const frame = pane.canvas.parentElement;
     const [w, h] = [Math.max(frame.clientWidth, 1), Math.max(frame.clientHeight, 1)];
     const whole = Math.min(w / data.width, h / data.height);
-    const fit = whole > 1 ? Math.floor(whole) : whole;
+    // Pixels of one size, unless that leaves much of the pane empty.
+    const fit = whole > 1 && Math.floor(whole) > 0.8 * whole ? Math.floor(whole) : whole;
     const zoom = S.now.zoom ?? fit;
     const ratio = window.devicePixelRatio || 1;
     // Borders of pixels lie on borders of pixels of the screen.
@@ -143,7 +144,7 @@
     const data = picture(pane.a).data;
     const map = pane.kind === "map";
     const signed = now.map === "signed" || now.map === "relative";
-    const gain = map ? now.mev ?? S.auto(now.map, pane.a, pane.b) : S.exposure();
+    const gain = map ? now.mev ?? S.auto(now.map, pane.a, pane.b) : S.exposure(pane.like);
     const shown = picture(pane.a).data.exposure;
     let values = null;
     if (map && SLOW.includes(now.map)) {
@@ -293,6 +294,6 @@
     else later ??= setTimeout(() => {
       later = null;
       ask();
-    }, 150);
+    }, 300);
   });
 }

@@ -81,6 +81,7 @@
     [[","], "split further left", () => set({ layout: "split", split: S.now.split - 0.02 })],
     [["."], "split further right", () => set({ layout: "split", split: S.now.split + 0.02 })],
     [["v"], "the verdict on tiles", () => set({ tiles: S.now.tiles ? 0 : 1 })],
+    [["b"], "where the difference lies: each part that is to blame, and no longer", () => set({ blame: (S.now.blame + 1) % ((S.pair(S.now.a, S.now.b)?.blame.length ?? 0) + 1) })],
     [["p"], "inspect a pixel, and no longer", () => (S.now.pin ? set({ pin: null }) : inspect(0, 0))],
     [["Alt+ArrowLeft"], "inspect the pixel to the left", () => inspect(-1, 0)],
     [["Alt+ArrowRight"], "inspect the pixel to the right", () => inspect(1, 0)],

@@ -77,7 +77,7 @@
         context.globalAlpha = word === "agree" || !word ? 0.55 : 1;
         context.strokeRect(x + 1, y + 1, u - x - 2, v - y - 2);
         context.globalAlpha = 1;
-        if (u - x < (word === "agree" ? 30 : 16)) continue;
+        if (u - x < (word === "agree" ? 38 : 16)) continue;
         const ratio = ratios[row * columns + column];
         const size = Math.min((u - x) / 4.2, 15);
         const lines = [ltsc.verdict(word)[1]];
@@ -106,6 +106,31 @@
     }
   }
 
+  const dims = new Map();
+
+  /** All but the pixels on which a part of the difference lies, darkened. */
+  function blamed(context, at, pane) {
+    const pair = S.pair(pane.kind === "map" || pane.kind === "split" ? pane.a : S.now.a, pane.b);
+    const part = pair?.blame[S.now.blame - 1];
+    const { width, height } = at.data;
+    const groups = part && ltsc.book.scenes.flatMap((scene) => (scene.pairs.includes(pair) ? scene.groups : [])).find((one) => one.width === width && one.height === height);
+    const mask = groups && ltsc.store.mask(groups.data);
+    if (!mask || mask.length !== width * height) return;
+    const key = `${groups.data} ${part.group}`;
+    if (!dims.has(key)) {
+      const number = groups.names.indexOf(part.group);
+      const picture = ltsc.el("canvas", { width, height });
+      const own = picture.getContext("2d");
+      const data = own.createImageData(width, height);
+      for (let i = 0; i < mask.length; i++) data.data[4 * i + 3] = mask[i] === number ? 0 : 205;
+      own.putImageData(data, 0, 0);
+      dims.set(key, picture);
+    }
+    context.imageSmoothingEnabled = false;
+    const [x, y] = to(at, 0, 0);
+    context.drawImage(dims.get(key), x, y, width * at.zoom, height * at.zoom);
+  }
+
   function mark(context, at, x, y, strong) {
     const [u, v] = to(at, x, y);
     const size = Math.max(at.zoom, 5);
@@ -132,6 +157,7 @@
   ltsc.over = (pane, context, at, hover) => {
     context.save();
     context.scale(at.ratio, at.ratio);
+    if (S.now.blame) blamed(context, at, pane);
     grid(context, at);
     numbers(context, at, pane);
     if (S.now.tiles) tiles(context, at, pane);

@@ -5,7 +5,7 @@
   const DEFAULTS = {
     scene: 0, a: null, b: null, show: "b", layout: "single", over: "scene", map: "signed",
     ev: null, mev: null, tone: "srgb", gamma: 2.2, channel: "rgb", lo: null, hi: null, log: 1,
-    zoom: null, cx: 0.5, cy: 0.5, split: 0.5, tiles: 0, line: null, pin: null, cpu: 0,
+    zoom: null, cx: 0.5, cy: 0.5, split: 0.5, tiles: 0, blame: 0, line: null, pin: null, cpu: 0,
   };
   const WORDS = {
     show: ["b", "a", "map"],
@@ -14,7 +14,7 @@
     tone: ["srgb", "gamma", "false"],
     channel: ["rgb", "r", "g", "b", "lum"],
   };
-  const LIMITS = { ev: [-40, 40], mev: [-40, 40], gamma: [0.2, 8], zoom: [1 / 64, 256], cx: [-1, 2], cy: [-1, 2], split: [0, 1] };
+  const LIMITS = { ev: [-40, 40], mev: [-40, 40], gamma: [0.2, 8], zoom: [1 / 64, 256], cx: [-1, 2], cy: [-1, 2], split: [0, 1], blame: [0, 99] };
 
   let state = { ...DEFAULTS };
   const listeners = new Set();
@@ -195,8 +195,11 @@
     });
   }
 
-  /** Stops at which images are shown. */
-  const exposure = () => state.ev ?? (there(state.a) ? ltsc.book.images[state.a].data.exposure : 0);
+  /** Stops at which images are shown: those that are chosen, or of A; of another scene's A where all scenes are seen at once. */
+  const exposure = (like) => {
+    const a = like ?? state.a;
+    return state.ev ?? (there(a) ? ltsc.book.images[a].data.exposure : 0);
+  };
 
   ltsc.state = {
     get now() {

@@ -83,6 +83,28 @@
     pump();
   };
 
+  const masks = new Map();
+
+  /** Called by the scripts of groups: a number for each pixel. */
+  ltsc.groups = async (name, text) => {
+    masks.set(name, await inflate(text));
+    listeners.forEach((tell) => tell());
+  };
+
+  /** Numbers of groups by the name of their script; nothing until they have come. */
+  function mask(name) {
+    if (masks.has(name)) return masks.get(name);
+    masks.set(name, null);
+    const script = ltsc.el("script", { src: name });
+    script.onload = () => script.remove();
+    script.onerror = () => {
+      masks.set(name, new Uint8Array(0));
+      script.remove();
+    };
+    document.head.append(script);
+    return null;
+  }
+
   function settle(to, part, tile) {
     to.done.add(part);
     to.dirty.push(tile);
@@ -178,10 +200,10 @@
   };
 
   ltsc.store = {
-    entry, best, complete,
+    entry, best, complete, mask,
     done: (number) => complete(entry(number).full),
     failed: (number) => entry(number).failed,
-    busy: () => loading.size,
+    busy: () => loading.size + [...masks.values()].filter((one) => one === null).length,
     loaded: () => [...entries.values()].filter((one) => one.full || one.pre).map((one) => one.number),
     listen: (tell) => listeners.add(tell),
     /** Waits until an image is there as a whole. */
