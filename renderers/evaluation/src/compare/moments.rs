@@ -201,8 +201,9 @@ type RowSums = [[f64; PARTS]; FINE];
 /// Adds a row of the `n`th image, and gives its sums.
 fn row(pixels: &mut [Pixel], values: &[[f32; 3]], columns: &[usize], n: f64) -> RowSums {
     let mut sums = [[0.0; PARTS]; FINE];
+    let share = n.recip();
     for ((pixel, value), column) in pixels.iter_mut().zip(values).zip(columns) {
-        pixel.add(*value, n);
+        pixel.add(*value, n, share);
         if finite(value) {
             let [r, g, b] = value.map(f64::from);
             let sum = &mut sums[*column];
@@ -213,18 +214,18 @@ fn row(pixels: &mut [Pixel], values: &[[f32; 3]], columns: &[usize], n: f64) -> 
 }
 
 impl Pixel {
-    /// Adds the `n`th value (Terriberry's update of central moments).
-    fn add(&mut self, value: [f32; 3], n: f64) {
+    /// Adds the `n`th value, `share` being 1 / `n` (Terriberry's update of central moments).
+    fn add(&mut self, value: [f32; 3], n: f64, share: f64) {
         if !finite(&value) || self.bad {
             self.bad = true;
             return;
         }
-        let grey = |values: [f64; 3]| (values[0] + values[1] + values[2]) / 3.0;
+        let grey = |values: [f64; 3]| (values[0] + values[1] + values[2]) * (1.0 / 3.0);
         let off = grey(value.map(f64::from)) - grey(self.mean);
-        self.squares[3] += (off * off * (n - 1.0) / n) as f32;
+        self.squares[3] += (off * off * (n - 1.0) * share) as f32;
         for (c, value) in value.into_iter().enumerate() {
             let off = f64::from(value) - self.mean[c];
-            let step = off / n;
+            let step = off * share;
             let square = off * step * (n - 1.0);
             let squares = f64::from(self.squares[c]);
             self.cubes[c] += (square * step * (n - 2.0) - 3.0 * step * squares) as f32;
