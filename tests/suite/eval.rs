@@ -131,6 +131,7 @@ fn cases_are_rendered_compared_and_written() {
         "scenes/one/bright.log",
         "scenes/one/even.exr",
         "scenes/one/even.log",
+        "scenes/one/seen 16 x 8.png",
         "summary.md",
         "timing.json",
     ];
