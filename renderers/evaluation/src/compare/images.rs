@@ -4,12 +4,13 @@ use std::borrow::Cow;
 use std::path::PathBuf;
 
 use ltsc_render::image::{Image, read};
+use rayon::prelude::*;
 
 use super::CompareError;
 use super::moments::Moments;
 
-/// Images that are held at once while moments are gathered.
-const AT_ONCE: usize = 4;
+/// Images that are added at once while moments are gathered, and as many are read meanwhile.
+const AT_ONCE: usize = 2;
 
 /// Images of one renderer, rendered independently of each other.
 #[derive(Clone, Copy)]
@@ -52,13 +53,21 @@ impl Images<'_> {
         if self.count() == 0 {
             return Err(CompareError::Empty);
         }
-        let mut moments: Option<Moments> = None;
         let count = self.count();
+        let batch = |from: usize| -> Result<Vec<Cow<'_, Image>>, CompareError> {
+            (from..(from + AT_ONCE).min(count)).into_par_iter().map(|at| self.get(at)).collect()
+        };
+        let mut images = batch(0)?;
+        let mut moments: Option<Moments> = None;
         for from in (0..count).step_by(AT_ONCE) {
-            let images: Vec<Cow<'_, Image>> =
-                (from..(from + AT_ONCE).min(count)).map(|at| self.get(at)).collect::<Result<_, _>>()?;
             let moments = moments.get_or_insert_with(|| Moments::new(images[0].width, images[0].height));
-            moments.add_all(&images.iter().map(Cow::as_ref).collect::<Vec<_>>())?;
+            // The next ones are read while these are added.
+            let (added, next) = rayon::join(
+                || moments.add_all(&images.iter().map(Cow::as_ref).collect::<Vec<_>>()),
+                || batch(from + AT_ONCE),
+            );
+            added?;
+            images = next?;
         }
         moments.ok_or(CompareError::Empty)
     }
