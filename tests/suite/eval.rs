@@ -99,7 +99,9 @@ impl Stage {
     }
 
     fn calls(&self) -> usize {
-        fs::read_to_string(self.path("calls")).unwrap_or_default().lines().count()
+        let calls = fs::read_to_string(self.path("calls")).unwrap_or_default();
+        // One that is to be ended in no time may not come so far.
+        calls.lines().filter(|line| !line.starts_with("hangs")).count()
     }
 
     fn results(&self) -> Value {
@@ -282,7 +284,7 @@ fn renderers_that_fail_are_told_and_the_others_go_on() {
     // What failed is tried again, each once; the rest is there.
     let calls = stage.calls();
     assert_eq!(stage.eval(&["--keep-going", "--clean", "always"]).code, Some(4));
-    assert_eq!(stage.calls(), calls + 5 * 8);
+    assert_eq!(stage.calls(), calls + 4 * 8);
     assert!(!stage.path("scenes/eval/results/a/files").exists());
     // Without going on, what comes after the first failure is left.
     let ran = stage.eval(&[]);

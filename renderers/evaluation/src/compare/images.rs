@@ -8,6 +8,9 @@ use ltsc_render::image::{Image, read};
 use super::CompareError;
 use super::moments::Moments;
 
+/// Images that are held at once while moments are gathered.
+const AT_ONCE: usize = 4;
+
 /// Images of one renderer, rendered independently of each other.
 #[derive(Clone, Copy)]
 pub enum Images<'i> {
@@ -49,13 +52,14 @@ impl Images<'_> {
         if self.count() == 0 {
             return Err(CompareError::Empty);
         }
-        let first = self.get(0)?;
-        let mut moments = Moments::new(first.width, first.height);
-        moments.add(&first)?;
-        drop(first);
-        for at in 1..self.count() {
-            moments.add(&*self.get(at)?)?;
+        let mut moments: Option<Moments> = None;
+        let count = self.count();
+        for from in (0..count).step_by(AT_ONCE) {
+            let images: Vec<Cow<'_, Image>> =
+                (from..(from + AT_ONCE).min(count)).map(|at| self.get(at)).collect::<Result<_, _>>()?;
+            let moments = moments.get_or_insert_with(|| Moments::new(images[0].width, images[0].height));
+            moments.add_all(&images.iter().map(Cow::as_ref).collect::<Vec<_>>())?;
         }
-        Ok(moments)
+        moments.ok_or(CompareError::Empty)
     }
 }

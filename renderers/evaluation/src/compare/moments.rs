@@ -91,44 +91,55 @@ impl Moments {
     /// # Errors
     /// If its size is another one.
     pub fn add(&mut self, image: &Image) -> Result<(), CompareError> {
-        if (image.width, image.height) != (self.width, self.height) {
-            return Err(CompareError::Size { a: (self.width, self.height), b: (image.width, image.height) });
+        self.add_all(&[image])
+    }
+
+    /// Adds images, several at once, which takes less of memory's time than one after the other, and gives the same.
+    ///
+    /// # Errors
+    /// If one has another size; none is added then.
+    pub fn add_all(&mut self, images: &[&Image]) -> Result<(), CompareError> {
+        let (a, other) =
+            ((self.width, self.height), |image: &&&Image| (image.width, image.height) != (self.width, self.height));
+        if let Some(image) = images.iter().find(other) {
+            return Err(CompareError::Size { a, b: (image.width, image.height) });
         }
-        self.count += 1;
-        let n = self.count as f64;
+        let first = self.count;
+        self.count += images.len();
         if self.width == 0 {
             return Ok(());
         }
         let lines = (PIECE / self.width).max(1);
         let (width, columns, rows) = (self.width, &self.columns, &self.rows);
-        let pieces = self.pixels.par_chunks_mut(lines * width).zip(image.pixels.par_chunks(lines * width)).enumerate();
-        // One row lies in one row of tiles; sums are put together in their order, so that they do not depend on the machine.
-        let sums: Vec<Vec<(usize, [[f64; PARTS]; FINE])>> = pieces
-            .map(|(piece, (pixels, values))| {
-                let all = pixels.chunks_exact_mut(width).zip(values.chunks_exact(width)).enumerate();
-                let of_row = |(line, (pixels, values)): (usize, (&mut [Pixel], &[[f32; 3]]))| {
-                    let mut sums = [[0.0; PARTS]; FINE];
-                    for ((pixel, value), column) in pixels.iter_mut().zip(values).zip(columns) {
-                        pixel.add(*value, n);
-                        if finite(value) {
-                            let [r, g, b] = value.map(f64::from);
-                            let sum = &mut sums[*column];
-                            [r, g, b, (r + g + b) / 3.0].into_iter().zip(sum).for_each(|(value, sum)| *sum += value);
-                        }
-                    }
-                    (rows[piece * lines + line], sums)
-                };
-                all.map(of_row).collect()
-            })
-            .collect();
-        let mut tiles = [[0.0; PARTS]; FINE * FINE];
-        for (row, sums) in sums.into_iter().flatten() {
-            for (column, sums) in sums.into_iter().enumerate() {
-                let tile = &mut tiles[row * FINE + column];
-                (0..PARTS).for_each(|part| tile[part] += sums[part]);
+        // One row lies in one row of tiles; sums are put together in their order, so that they do not depend on the machine. What is known of a
+        // piece of the image is looked at for all images before the next piece.
+        let of_piece = |(piece, pixels): (usize, &mut [Pixel])| -> Vec<Vec<(usize, RowSums)>> {
+            let from = piece * lines * width;
+            let mut all = Vec::with_capacity(images.len());
+            for (at, image) in images.iter().enumerate() {
+                let n = (first + at + 1) as f64;
+                let values = image.pixels[from..from + pixels.len()].chunks_exact(width);
+                let of_lines = pixels.chunks_exact_mut(width).zip(values).enumerate();
+                all.push(
+                    of_lines
+                        .map(|(line, (pixels, values))| (rows[piece * lines + line], row(pixels, values, columns, n)))
+                        .collect(),
+                );
             }
+            all
+        };
+        let pieces: Vec<Vec<Vec<(usize, RowSums)>>> =
+            self.pixels.par_chunks_mut(lines * width).enumerate().map(of_piece).collect();
+        for at in 0..images.len() {
+            let mut tiles = [[0.0; PARTS]; FINE * FINE];
+            for (row, sums) in pieces.iter().flat_map(|piece| &piece[at]) {
+                for (column, sums) in sums.iter().enumerate() {
+                    let tile = &mut tiles[row * FINE + column];
+                    (0..PARTS).for_each(|part| tile[part] += sums[part]);
+                }
+            }
+            self.tiles.push(tiles);
         }
-        self.tiles.push(tiles);
         Ok(())
     }
 
@@ -184,19 +195,37 @@ impl Moments {
     }
 }
 
+/// Sums over the columns of tiles.
+type RowSums = [[f64; PARTS]; FINE];
+
+/// Adds a row of the `n`th image, and gives its sums.
+fn row(pixels: &mut [Pixel], values: &[[f32; 3]], columns: &[usize], n: f64) -> RowSums {
+    let mut sums = [[0.0; PARTS]; FINE];
+    let share = n.recip();
+    for ((pixel, value), column) in pixels.iter_mut().zip(values).zip(columns) {
+        pixel.add(*value, n, share);
+        if finite(value) {
+            let [r, g, b] = value.map(f64::from);
+            let sum = &mut sums[*column];
+            [r, g, b, (r + g + b) / 3.0].into_iter().zip(sum).for_each(|(value, sum)| *sum += value);
+        }
+    }
+    sums
+}
+
 impl Pixel {
-    /// Adds the `n`th value (Terriberry's update of central moments).
-    fn add(&mut self, value: [f32; 3], n: f64) {
+    /// Adds the `n`th value, `share` being 1 / `n` (Terriberry's update of central moments).
+    fn add(&mut self, value: [f32; 3], n: f64, share: f64) {
         if !finite(&value) || self.bad {
             self.bad = true;
             return;
         }
-        let grey = |values: [f64; 3]| (values[0] + values[1] + values[2]) / 3.0;
+        let grey = |values: [f64; 3]| (values[0] + values[1] + values[2]) * (1.0 / 3.0);
         let off = grey(value.map(f64::from)) - grey(self.mean);
-        self.squares[3] += (off * off * (n - 1.0) / n) as f32;
+        self.squares[3] += (off * off * (n - 1.0) * share) as f32;
         for (c, value) in value.into_iter().enumerate() {
             let off = f64::from(value) - self.mean[c];
-            let step = off / n;
+            let step = off * share;
             let square = off * step * (n - 1.0);
             let squares = f64::from(self.squares[c]);
             self.cubes[c] += (square * step * (n - 2.0) - 3.0 * step * squares) as f32;
