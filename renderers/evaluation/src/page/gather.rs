@@ -3,6 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use ltsc_core::files::VPath;
 use ltsc_render::image::{self, Attributes, Image, ImageError, Provenance};
 use ltsc_render::regular;
 
@@ -246,6 +247,7 @@ fn of_results(
         });
         let mut numbers = BTreeMap::new();
         for run in &condition.runs {
+            let run = &kept_inside(run);
             let time = timing.and_then(|timing| {
                 timing.runs.iter().find(|time| time.condition == condition.name && time.label == run.label)
             });
@@ -257,7 +259,7 @@ fn of_results(
             let picture = picture(run, time, folder);
             numbers.insert(run.label.clone(), book.add(at, picture, path));
         }
-        for found in &condition.groups {
+        for found in condition.groups.iter().filter(|found| inside(&found.file)) {
             let names = found.names.iter().map(|one| group(one.kind, &one.name)).collect();
             book.groups.push((at, folder.join(&found.file), (found.width, found.height), names));
         }
@@ -270,6 +272,17 @@ fn of_results(
             book.model.scenes[at].pairs.push(made);
         }
     }
+}
+
+/// Whether a path that a table names stays in the folder of the table, which may be anybody's.
+fn inside(path: &str) -> bool {
+    VPath::resolve("", path).is_ok()
+}
+
+/// A run without an image that would lie elsewhere.
+fn kept_inside(run: &results::Run) -> results::Run {
+    let image = run.image.clone().filter(|path| inside(path));
+    results::Run { image, ..run.clone() }
 }
 
 /// An image of an evaluation.
@@ -396,8 +409,11 @@ fn compared(pair: &results::Pair, numbers: &BTreeMap<String, usize>) -> Pair {
 /// Images that no table names, by the folder they lie in.
 fn by_hand(book: &mut Book, folder: &Path, folders: &mut BTreeMap<String, usize>) -> Result<(), Failure> {
     let known: BTreeSet<PathBuf> = book.paths.iter().flatten().cloned().collect();
+    // What was written for renderers has images too, which are no results.
+    let files = folder.join("results.json").is_file().then(|| folder.join("files"));
+    let apart: Vec<PathBuf> = files.into_iter().chain([folder.join(FOLDER)]).collect();
     let mut found = Vec::new();
-    look(folder, folder, DEPTH, &mut found)
+    look(folder, &apart, DEPTH, &mut found)
         .map_err(|error| Failure::new(Exit::Input, format!("{}: {}", folder.display(), why(&error))))?;
     found.sort();
     if found.len() > MOST {
@@ -439,15 +455,14 @@ fn by_hand(book: &mut Book, folder: &Path, folders: &mut BTreeMap<String, usize>
 }
 
 /// Images below a folder; hidden folders, links, pages, and files for renderers are passed over.
-fn look(top: &Path, folder: &Path, depth: usize, found: &mut Vec<PathBuf>) -> std::io::Result<()> {
+fn look(folder: &Path, apart: &[PathBuf], depth: usize, found: &mut Vec<PathBuf>) -> std::io::Result<()> {
     for entry in std::fs::read_dir(folder)? {
         let entry = entry?;
         let (kind, path) = (entry.file_type()?, entry.path());
         let hidden = entry.file_name().as_encoded_bytes().starts_with(b".");
         if kind.is_dir() && !hidden && depth > 0 && !is_page(&path) {
-            let apart = folder == top && (entry.file_name() == "files" || entry.file_name() == FOLDER);
-            if !apart {
-                look(top, &path, depth - 1, found)?;
+            if !apart.contains(&path) {
+                look(&path, apart, depth - 1, found)?;
             }
         } else if kind.is_file() && !hidden {
             let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
