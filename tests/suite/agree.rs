@@ -49,6 +49,7 @@ fn one_renderer_agrees_with_itself_and_not_with_other_depths() {
     let same = agree("same", "40%", &["--record", record.to_str().expect("a name")]);
     assert_eq!(same.code, Some(0), "{}{}", same.out, same.err);
     assert!(same.out.contains("reference and mitsuba-3: agree: within 40.0 %"), "{}", same.out);
+    assert!(folder.path().join("kept/page/index.html").is_file(), "{}", same.err);
     // The same images prove nothing narrower, and say how many samples would.
     let narrow = agree("same", "2%", &["--require-agree"]);
     assert_eq!(narrow.code, Some(1), "{}{}", narrow.out, narrow.err);

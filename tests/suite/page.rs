@@ -234,6 +234,22 @@ fn strange_folders_have_a_page_that_says_what_is_strange() {
 }
 
 #[test]
+fn results_of_others_show_nothing_that_lies_elsewhere() {
+    let stage = Stage::real();
+    stage.image("secret.exr", &ramp(48, 36, 1.0));
+    let file = stage.path("real/results.json");
+    let text = fs::read_to_string(&file).expect("a file");
+    let other = text.replace("scenes/cbox_classic/shallow.exr", "../secret.exr");
+    assert_ne!(text, other);
+    fs::write(&file, other).expect("written");
+    let model = model(&stage.report("real"));
+    let images = model["images"].as_array().expect("images");
+    let named: Vec<&Value> = images.iter().filter(|one| one["label"] == "shallow").collect();
+    assert!(named[0]["data"].is_null() && named[0]["file"].is_null() && named[0]["status"] == "missing", "{named:?}");
+    assert!(!model.to_string().contains("secret"));
+}
+
+#[test]
 fn empty_folders_and_broken_tables_are_told() {
     let stage = Stage::new();
     fs::create_dir(stage.path("empty")).expect("a folder");

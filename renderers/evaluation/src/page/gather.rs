@@ -3,12 +3,12 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use ltsc_render::image::{self, Attributes, Image, ImageError, Provenance};
+use ltsc_core::files::VPath;
+use ltsc_render::image::{self, Attributes, Image, ImageError};
 use ltsc_render::regular;
 
 use super::described;
 use super::model::{Blamed, Fact, Model, Pair, Picture, Row, Scene, Worst};
-use super::write::{FOLDER, is_page};
 use crate::chunk::VARIANCE;
 use crate::compare::blame::Kind;
 use crate::compare::verdict::{Stated, Told};
@@ -19,10 +19,6 @@ use crate::study::timing::{self, Timing};
 
 /// The number of the form of a page's data.
 const FORM: u32 = 1;
-
-/// How deep images are looked for in a folder, and how many of them are shown.
-const DEPTH: usize = 6;
-const MOST: usize = 10_000;
 
 /// The largest table of results that is read.
 const LARGEST: u64 = 1 << 28;
@@ -115,7 +111,7 @@ impl Book {
     }
 
     /// Adds an image, or each layer of a file that has several and no picture of its own.
-    fn add_all(&mut self, scene: usize, picture: &Picture, path: &Path) {
+    pub(super) fn add_all(&mut self, scene: usize, picture: &Picture, path: &Path) {
         // A file that cannot be read is told when its pixels are looked at.
         let layers = image::layers(path).unwrap_or_default();
         if layers.is_empty() {
@@ -196,7 +192,7 @@ pub fn of_folder(folder: &Path) -> Result<Book, Failure> {
     if let Some(results) = &results {
         of_results(&mut book, results, timing.as_ref(), folder, &mut folders);
     }
-    by_hand(&mut book, folder, &mut folders)?;
+    super::loose::by_hand(&mut book, folder, &mut folders)?;
     for scene in 0..book.model.scenes.len() {
         book.ask(scene);
     }
@@ -246,6 +242,7 @@ fn of_results(
         });
         let mut numbers = BTreeMap::new();
         for run in &condition.runs {
+            let run = &kept_inside(run);
             let time = timing.and_then(|timing| {
                 timing.runs.iter().find(|time| time.condition == condition.name && time.label == run.label)
             });
@@ -257,7 +254,7 @@ fn of_results(
             let picture = picture(run, time, folder);
             numbers.insert(run.label.clone(), book.add(at, picture, path));
         }
-        for found in &condition.groups {
+        for found in condition.groups.iter().filter(|found| inside(&found.file)) {
             let names = found.names.iter().map(|one| group(one.kind, &one.name)).collect();
             book.groups.push((at, folder.join(&found.file), (found.width, found.height), names));
         }
@@ -270,6 +267,17 @@ fn of_results(
             book.model.scenes[at].pairs.push(made);
         }
     }
+}
+
+/// Whether a path that a table names stays in the folder of the table, which may be anybody's.
+fn inside(path: &str) -> bool {
+    VPath::resolve("", path).is_ok()
+}
+
+/// A run without an image that would lie elsewhere.
+fn kept_inside(run: &results::Run) -> results::Run {
+    let image = run.image.clone().filter(|path| inside(path));
+    results::Run { image, ..run.clone() }
 }
 
 /// An image of an evaluation.
@@ -391,96 +399,4 @@ fn compared(pair: &results::Pair, numbers: &BTreeMap<String, usize>) -> Pair {
             words: told.as_ref().map_or_else(String::new, Told::blame),
         }),
     }
-}
-
-/// Images that no table names, by the folder they lie in.
-fn by_hand(book: &mut Book, folder: &Path, folders: &mut BTreeMap<String, usize>) -> Result<(), Failure> {
-    let known: BTreeSet<PathBuf> = book.paths.iter().flatten().cloned().collect();
-    let mut found = Vec::new();
-    look(folder, folder, DEPTH, &mut found)
-        .map_err(|error| Failure::new(Exit::Input, format!("{}: {}", folder.display(), why(&error))))?;
-    found.sort();
-    if found.len() > MOST {
-        book.model.remarks.push(format!("{} images were found, of which the first {MOST} are here", found.len()));
-        found.truncate(MOST);
-    }
-    for path in found.into_iter().filter(|path| !known.contains(path)) {
-        let below = path.strip_prefix(folder).unwrap_or(&path);
-        let text = below.to_str().map(|text| text.replace(std::path::MAIN_SEPARATOR, "/"));
-        let shown = below.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "/");
-        let (around, name) = shown.rsplit_once('/').unwrap_or(("", &shown));
-        let reference = around == "references" || around.starts_with("references/");
-        let plain = around.strip_prefix("scenes/").or_else(|| around.strip_prefix("references/")).unwrap_or(around);
-        let title = if plain.is_empty() { "images" } else { plain };
-        let at = folders.get(around).or_else(|| folders.get(plain)).copied().unwrap_or_else(|| {
-            let scene = Scene { name: title.to_owned(), scene: title.to_owned(), ..Scene::default() };
-            book.model.scenes.push(scene);
-            book.model.scenes.len() - 1
-        });
-        folders.insert(around.to_owned(), at);
-        folders.insert(plain.to_owned(), at);
-        let label = name.rsplit_once('.').map_or(name, |(stem, _)| stem);
-        let label = if reference { format!("reference: {label}") } else { label.to_owned() };
-        let log = path.with_extension("log");
-        let picture = Picture {
-            label,
-            kind: if reference { "reference" } else { "image" },
-            status: "done",
-            file: text.as_ref().map(|text| format!("../{text}")),
-            log: text.filter(|_| log.is_file()).and_then(|text| {
-                let (stem, _) = text.rsplit_once('.')?;
-                Some(format!("../{stem}.log"))
-            }),
-            ..Picture::default()
-        };
-        book.add_all(at, &picture, &path);
-    }
-    Ok(())
-}
-
-/// Images below a folder; hidden folders, links, pages, and files for renderers are passed over.
-fn look(top: &Path, folder: &Path, depth: usize, found: &mut Vec<PathBuf>) -> std::io::Result<()> {
-    for entry in std::fs::read_dir(folder)? {
-        let entry = entry?;
-        let (kind, path) = (entry.file_type()?, entry.path());
-        let hidden = entry.file_name().as_encoded_bytes().starts_with(b".");
-        if kind.is_dir() && !hidden && depth > 0 && !is_page(&path) {
-            let apart = folder == top && (entry.file_name() == "files" || entry.file_name() == FOLDER);
-            if !apart {
-                look(top, &path, depth - 1, found)?;
-            }
-        } else if kind.is_file() && !hidden {
-            let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-            if matches!(ending.as_deref(), Some("exr" | "pfm")) {
-                found.push(path);
-            }
-        }
-    }
-    Ok(())
-}
-
-/// What the header of an image says of how it came to be.
-pub(super) fn header(attributes: &Attributes) -> Vec<Fact> {
-    let Provenance { scene, scene_hash, version, renderer, renderer_version, samples, seed, seconds, extra } =
-        Provenance::from_attributes(attributes);
-    let mut facts = Vec::new();
-    let mut add = |name: &str, value: String| {
-        if !value.is_empty() {
-            facts.push(Fact(name.to_owned(), value));
-        }
-    };
-    let some = |number: u64| if number > 0 { number.to_string() } else { String::new() };
-    add("scene", scene);
-    add("renderer", format!("{renderer} {renderer_version}").trim().to_owned());
-    add("samples per pixel", some(samples));
-    add("seed", some(seed));
-    add("seconds", if seconds > 0.0 { format!("{seconds:.1}") } else { String::new() });
-    add("hash of scene and settings", scene_hash);
-    add("rendered through", if version.is_empty() { version } else { format!("ltsc {version}") });
-    for (name, value) in extra {
-        add(&name, value);
-    }
-    let others = attributes.iter().filter(|(name, _)| !name.starts_with("ltsc:"));
-    facts.extend(others.map(|(name, value)| Fact(name.clone(), value.clone())));
-    facts
 }

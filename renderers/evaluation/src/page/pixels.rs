@@ -197,4 +197,20 @@ mod tests {
         assert_eq!(small.at(0, 0), [2.0, 2.0, 0.0]);
         assert_eq!(small.at(2, 1), [f32::INFINITY; 3]);
     }
+
+    #[test]
+    fn eleven_scenes_in_three_renderers_are_under_a_hundred_megabytes() {
+        // The worst case: noise all over.
+        let mut state = 1_u32;
+        let mut random = || {
+            state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            (state >> 8) as f32 / (1 << 24) as f32
+        };
+        let pixels = (0..128 * 128).map(|_| std::array::from_fn(|_| random() + random() * random())).collect();
+        let image = Image { width: 128, height: 128, pixels };
+        let short = data(&image, 3);
+        let bytes = script(&image, &short, 0, "0", [0, 0, 128, 128]).len();
+        let all = 33 * bytes * (512 * 512) / (128 * 128);
+        assert!(all < 95_000_000, "{all} bytes of 33 images of 512 x 512 pixels");
+    }
 }

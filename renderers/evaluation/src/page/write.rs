@@ -7,7 +7,8 @@ use ltsc_core::files::Sink;
 use ltsc_render::image::{Image, ImageError};
 use ltsc_render::regular;
 
-use super::gather::{Book, header};
+use super::gather::Book;
+use super::loose::header;
 use super::measured::{Side, measure};
 use super::model::{Groups, Model, Picture};
 use super::{pixels, plots};

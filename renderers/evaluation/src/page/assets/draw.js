@@ -198,6 +198,11 @@
     canvas.classList.toggle("waits", !what);
     if (!what) {
       context.clearRect(0, 0, width, height);
+      const comes = pane.kind === "map" && SLOW.includes(S.now.map) && ltsc.store.done(pane.a) && ltsc.store.done(pane.b);
+      context.fillStyle = "#a3abb5";
+      context.font = `${Math.round(14 * at.ratio)}px system-ui, sans-serif`;
+      context.textAlign = "center";
+      context.fillText(comes ? `computing ${S.now.map} …` : "loading …", width / 2, height / 2);
       return;
     }
     drawer(at.data).draw(context, what);

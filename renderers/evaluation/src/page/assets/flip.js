@@ -39,9 +39,19 @@
     /** Filters a plane along one axis; beyond its border it goes on as it ends. */
     function filter(source, width, height, taps, vertical, out) {
       const radius = (taps.length - 1) / 2;
+      const count = taps.length;
+      const step = vertical ? width : 1;
       for (let y = 0; y < height; y++) {
         for (let x = 0; x < width; x++) {
           let sum = 0;
+          const at = vertical ? y : x;
+          if (at >= radius && at < (vertical ? height : width) - radius) {
+            // Away from the border nothing is looked for beyond it.
+            let from = y * width + x - radius * step;
+            for (let k = 0; k < count; k++, from += step) sum += taps[k] * source[from];
+            out[y * width + x] = sum;
+            continue;
+          }
           for (let k = 0; k < taps.length; k++) {
             const u = vertical ? x : Math.min(Math.max(x + k - radius, 0), width - 1);
             const v = vertical ? Math.min(Math.max(y + k - radius, 0), height - 1) : y;

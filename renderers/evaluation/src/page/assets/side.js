@@ -153,7 +153,7 @@
       })));
     places.verdict.replaceChildren(...[
       el("p", {}, ltsc.badge(pair.verdict), " ", pair.proof ?? pair.refused ?? ""),
-      pair.worst ? el("p", { class: "quiet" }, `To blame most: ${pair.worst.words} (dashed in the overlay).`) : null,
+      pair.worst ? el("p", { class: "quiet" }, `Farthest off for its noise: ${pair.worst.words} (dashed among the tiles).`) : null,
       pair.blame.length > 0 ? el("div", { class: "blame", role: "group", "aria-label": "On what the difference lies" }, pair.blame.map((part, at) =>
         el("button", { type: "button", title: "Show where (b)", "aria-pressed": String(now.blame === at + 1), on: { click: () => S.set({ blame: now.blame === at + 1 ? 0 : at + 1 }) } }, part.words))) : null,
       pair.notes.length > 0 ? el("ul", { class: "notes" }, pair.notes.map((note) => el("li", {}, note))) : null,
