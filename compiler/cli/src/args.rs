@@ -1,6 +1,8 @@
 //! The command line: what people type, with examples.
 
 mod calibrate;
+mod docs;
+mod eval;
 mod reference;
 
 use std::path::PathBuf;
@@ -11,6 +13,8 @@ use clap::parser::ValueSource;
 use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand, ValueEnum};
 
 pub use calibrate::Calibrate;
+pub use docs::{Doc, DocFormat, Explain, Manual};
+pub use eval::{Clean, CleanWhen, Eval, Reduce, Report, View};
 pub use reference::{Reference, ReferenceAction, ReferenceAdd, ReferenceList};
 
 const EXIT_CODES: &str = "\
@@ -316,6 +320,14 @@ pub enum Command {
     },
 }
 
+/// How an answer that is no list of findings is printed.
+#[derive(Args, Clone, Copy, Debug)]
+pub struct Answer {
+    /// How the result is printed.
+    #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
+    pub format: Format,
+}
+
 /// How findings are judged and shown.
 #[derive(Args, Clone, Debug)]
 pub struct Findings {
@@ -582,162 +594,8 @@ pub struct Diff {
     /// Exit with 1 if a channel's mean or a tile differs by more than this share (0.02 is 2 %).
     #[arg(long, value_name = "SHARE")]
     pub tolerance: Option<f64>,
-    /// How the result is printed.
-    #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
-    pub format: Format,
-}
-
-#[derive(Args, Debug)]
-pub struct Eval {
-    /// The evaluation file.
-    #[arg(value_name = "FILE.toml", required_unless_present = "from_lteval")]
-    pub file: Option<PathBuf>,
-    /// Print a configuration of the thesis's tool as an evaluation file; it is read, and not run.
-    #[arg(long, value_name = "CFG.py", conflicts_with_all = ["file", "dry_run", "output", "set", "keep_going"])]
-    pub from_lteval: Option<PathBuf>,
-    /// The folder of the results [default: what the file says, `results/NAME DATE` beside it].
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Write also over files that ltsc did not write, or that were changed since.
-    #[arg(long)]
-    pub force: bool,
-    /// Say what would be rendered and how long it takes, and render nothing.
-    #[arg(long)]
-    pub dry_run: bool,
-    /// Make the page of the results for a browser, whatever the file says.
-    #[arg(long)]
-    pub page: bool,
-    /// Go on with the other cases where one fails.
-    #[arg(long)]
-    pub keep_going: bool,
-    /// When files written for renderers are left out of the results: where a case succeeds, always, or never.
-    #[arg(long, value_name = "WHEN", value_enum, default_value_t = CleanWhen::Success)]
-    pub clean: CleanWhen,
-    /// Values of a parameter of the scenes, each of which makes a condition; may be given several times.
-    #[arg(long, value_name = "NAME=VALUE,...")]
-    pub set: Vec<String>,
-    /// Renderers at once; they share the processors.
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=1024))]
-    pub jobs: u32,
-    /// Memory for all renderers at once, in gigabytes [default: what the machine has].
-    #[arg(long, value_name = "GB", value_parser = clap::value_parser!(u64).range(1..=1_000_000))]
-    pub memory: Option<u64>,
-    /// For times that can be compared: renderers run one at a time, and what was rendered beside others is rendered again.
-    #[arg(long, conflicts_with_all = ["jobs", "executor"])]
-    pub timing: bool,
-    /// Who renders: `local` (this machine) or `slurm` (a cluster).
-    #[arg(long, value_name = "NAME", default_value = "local")]
-    pub executor: String,
-    /// The folder that all machines of a cluster share.
-    #[arg(long, value_name = "DIR")]
-    pub shared: Option<PathBuf>,
-    /// A word for the executor, such as `--option=--partition=short` for Slurm; may be given several times.
-    #[arg(long, value_name = "WORD", allow_hyphen_values = true)]
-    pub option: Vec<String>,
-    /// Allow the programs that the file names to run, now and later.
-    #[arg(long)]
-    pub trust: bool,
-    /// Exit with 1 also where agreement is undecided.
-    #[arg(long)]
-    pub require_agree: bool,
     #[command(flatten)]
-    pub findings: Findings,
-}
-
-#[derive(Args, Debug)]
-pub struct Report {
-    /// The folder of the results, or of images.
-    #[arg(value_name = "DIR")]
-    pub folder: PathBuf,
-    /// Start a browser with the page.
-    #[arg(long)]
-    pub open: bool,
-    /// Write also over files that ltsc did not write, or that were changed since.
-    #[arg(long)]
-    pub force: bool,
-    /// How the result is printed.
-    #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
-    pub format: Format,
-}
-
-#[derive(Args, Debug)]
-pub struct View {
-    /// OpenEXR or PFM files.
-    #[arg(value_name = "IMAGE", required = true)]
-    pub files: Vec<PathBuf>,
-    /// The folder of the page.
-    #[arg(short, long, value_name = "DIR", default_value = "view")]
-    pub output: PathBuf,
-    /// Start a browser with the page.
-    #[arg(long)]
-    pub open: bool,
-    /// Write also over files that ltsc did not write, or that were changed since.
-    #[arg(long)]
-    pub force: bool,
-    /// How the result is printed.
-    #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
-    pub format: Format,
-}
-
-/// When files written for renderers are left out of results.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-pub enum CleanWhen {
-    /// Where a case succeeds.
-    Success,
-    /// Always.
-    Always,
-    /// Never.
-    Never,
-}
-
-#[derive(Args, Debug)]
-pub struct Clean {
-    /// Folders of results, or folders with such folders [default: `results` in this folder].
-    #[arg(value_name = "DIR")]
-    pub folders: Vec<PathBuf>,
-    /// Keep so many of the newest results of each evaluation.
-    #[arg(long, value_name = "N", default_value_t = 1)]
-    pub keep: usize,
-    /// Remove the files of failed cases only; results stay.
-    #[arg(long)]
-    pub files: bool,
-    /// Say what would be removed, and remove nothing.
-    #[arg(long)]
-    pub dry_run: bool,
-    /// How the result is printed.
-    #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
-    pub format: Format,
-}
-
-#[derive(Args, Debug)]
-pub struct Reduce {
-    /// The scene file.
-    pub scene: PathBuf,
-    /// The two renderers, the reference first.
-    #[arg(long, value_name = "A,B", value_delimiter = ',', required = true)]
-    pub renderer: Vec<String>,
-    /// The folder to write [default: `./<scene>-reduced`].
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Write also over files that ltsc did not write, or that were changed since.
-    #[arg(long)]
-    pub force: bool,
-    /// Width and height of the images in pixels, where `--width` and `--height` say nothing.
-    #[arg(long, value_name = "PIXELS", default_value_t = 64, value_parser = clap::value_parser!(u32).range(8..=4096))]
-    pub size: u32,
-    /// How much a tile may differ in each channel (0.05 is 5 %), plus the bounds that targets state for the scene.
-    #[arg(long, value_name = "SHARE", default_value_t = 0.05, value_parser = share)]
-    pub tolerance: f64,
-    /// How much the whole image may differ in each channel, plus the same bounds.
-    #[arg(long, value_name = "SHARE", default_value_t = 0.01, value_parser = share)]
-    pub mean_tolerance: f64,
-    /// Tiles along each side of the image.
-    #[arg(long, value_name = "N", default_value_t = 8, value_parser = PossibleValuesParser::new(["1", "2", "4", "8"]).try_map(|text| text.parse::<u32>()))]
-    pub tiles: u32,
-    #[command(flatten)]
-    pub settings: Settings,
-    #[command(flatten)]
-    pub findings: Findings,
+    pub answer: Answer,
 }
 
 #[derive(Args, Debug)]
@@ -822,9 +680,8 @@ pub struct Renderers {
 pub enum RenderersAction {
     /// Show which renderers are known and which are there.
     List {
-        /// How the list is printed.
-        #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
-        format: Format,
+        #[command(flatten)]
+        answer: Answer,
     },
     /// Allow ltsc to run the programs that the project's `ltsc.toml` names; nothing is run now.
     Trust,
@@ -901,86 +758,8 @@ pub struct Conventions {
     /// Stop the renderer after this many seconds for one image.
     #[arg(long, value_name = "SECONDS", default_value_t = 120, value_parser = clap::value_parser!(u64).range(1..))]
     pub timeout: u64,
-    /// How the result is printed.
-    #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
-    pub format: Format,
-}
-
-#[derive(Args, Debug)]
-pub struct Explain {
-    /// The code of a finding, or the name of a constructor, a statement or a function.
-    pub what: Option<String>,
-    /// What a target supports, and how exactly.
-    #[arg(long, value_name = "TARGET")]
-    pub target: Option<String>,
-}
-
-#[derive(Args, Debug)]
-pub struct Manual {
-    /// The page: `reference`, `findings`, `targets`.
-    #[arg(conflicts_with = "output")]
-    pub page: Option<String>,
-    /// Write all pages into this folder, each as `<page>.md`.
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Write nothing; list files that are stale, and exit with 1 if there are any.
-    #[arg(long, requires = "output")]
-    pub check: bool,
-    /// Write also over files that ltsc did not write, or that were changed since.
-    #[arg(long)]
-    pub force: bool,
-}
-
-/// How the pages of scenes are written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum DocFormat {
-    /// Markdown, as forges show it.
-    Markdown,
-    /// HTML that needs no network.
-    Html,
-}
-
-#[derive(Args, Debug)]
-pub struct Doc {
-    /// Folders with scenes; or scene files, for their pages alone, without the table of all [default: the scenes of the project].
-    #[arg(value_name = "PATH")]
-    pub paths: Vec<PathBuf>,
-    /// The folder to write [default: `docs/scenes` of the project].
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// How pages are written.
-    #[arg(long, value_enum, default_value_t = DocFormat::Markdown)]
-    pub format: DocFormat,
-    /// Write nothing; list files that are stale, and exit with 1 if there are any.
-    #[arg(long, conflicts_with = "render")]
-    pub check: bool,
-    /// Write also over files that ltsc did not write, or that were changed since.
-    #[arg(long)]
-    pub force: bool,
-    /// Make pictures: of the references of a scene that are large enough, or else by Mitsuba 3 and LuxCore, as far as they are there.
-    #[arg(long)]
-    pub render: bool,
-    /// The longer side of pictures in pixels.
-    #[arg(long, value_name = "PIXELS", default_value_t = 256, value_parser = clap::value_parser!(u32).range(1..=4096))]
-    pub size: u32,
-    /// Render pictures until the median noise of a pixel is at most this share (0.05, or 5%).
-    #[arg(long, value_name = "SHARE", default_value = "5%", value_parser = share)]
-    pub noise: f64,
-    /// Spend about this many seconds on each picture; what is rendered stays in the cache, and the next run goes on.
-    #[arg(long, value_name = "SECONDS", default_value_t = 300, value_parser = clap::value_parser!(u64).range(1..))]
-    pub timeout: u64,
     #[command(flatten)]
-    pub limits: Limits,
-    /// Files are read below this folder only [default: the project's root].
-    #[arg(long, value_name = "DIR", env = "LTSC_ROOT")]
-    pub root: Option<PathBuf>,
-}
-
-impl Doc {
-    /// How findings are shown: to people, with the project's levels.
-    pub fn findings(&self) -> Findings {
-        Findings::plain(self.limits.clone(), self.root.clone())
-    }
+    pub answer: Answer,
 }
 
 /// A share above 0: `0.05`, or `5%`.

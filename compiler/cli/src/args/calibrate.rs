@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Format, answer};
+use super::Answer;
 
 #[derive(Args, Debug)]
 pub struct Calibrate {
@@ -47,7 +47,6 @@ pub struct Calibrate {
     /// Write also over files that ltsc did not write, or that were changed since.
     #[arg(long)]
     pub force: bool,
-    /// How the result is printed.
-    #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
-    pub format: Format,
+    #[command(flatten)]
+    pub answer: Answer,
 }

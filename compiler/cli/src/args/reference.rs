@@ -7,7 +7,7 @@ use clap::{Args, Subcommand};
 use ltsc_core::ir::Integrator;
 use ltsc_evaluation::file::duration;
 
-use super::{Findings, Format, Limits, answer, share};
+use super::{Answer, Findings, Limits, share};
 
 #[derive(Args, Debug)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
@@ -87,9 +87,8 @@ pub struct ReferenceList {
     /// The folder of references [default: `references` of the project].
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// How the list is printed.
-    #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
-    pub format: Format,
+    #[command(flatten)]
+    pub answer: Answer,
     #[command(flatten)]
     pub limits: Limits,
     /// Files are read below this folder only [default: the project's root].
@@ -128,9 +127,8 @@ pub struct ReferenceAdd {
     /// Write over a reference that is there.
     #[arg(long)]
     pub force: bool,
-    /// How the result is printed.
-    #[arg(long, value_parser = answer(), default_value_t = Format::Human, env = "LTSC_FORMAT")]
-    pub format: Format,
+    #[command(flatten)]
+    pub answer: Answer,
     #[command(flatten)]
     pub limits: Limits,
     /// Files are read below this folder only [default: the project's root].

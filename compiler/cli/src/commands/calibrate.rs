@@ -51,7 +51,7 @@ pub fn run(command: &Calibrate) -> Result<Exit, Failure> {
         seed: command.seed,
     };
     let record = wanted.counted(&mut Watcher::default())?;
-    if command.format == Format::Json {
+    if command.answer.format == Format::Json {
         let text = serde_json::to_string_pretty(&record).unwrap_or_default();
         terminal::print(&format!("{text}\n"));
     } else {

@@ -20,7 +20,7 @@ pub fn run(command: &Clean) -> Result<Exit, Failure> {
     }
     let folders: Vec<&Path> = folders.iter().map(PathBuf::as_path).collect();
     let done = clean(&folders, command.keep, command.files, command.dry_run)?;
-    if command.format == Format::Json {
+    if command.answer.format == Format::Json {
         terminal::print(&format!("{:#}\n", json!({ "removed": done, "dry_run": command.dry_run })));
         return Ok(Exit::Done);
     }

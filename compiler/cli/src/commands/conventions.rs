@@ -22,11 +22,11 @@ pub fn measured_by() -> Result<ltsc_core::manual::Measured, Failure> {
 pub fn run(command: &Conventions) -> Result<Exit, Failure> {
     let chosen = chosen(&command.only)?;
     if command.list {
-        terminal::print(&report::list(&chosen, command.format == Format::Json)?);
+        terminal::print(&report::list(&chosen, command.answer.format == Format::Json)?);
         return Ok(Exit::Done);
     }
     if command.coverage {
-        return covered(command.output.as_deref().unwrap_or(Path::new("docs")), command.format);
+        return covered(command.output.as_deref().unwrap_or(Path::new("docs")), command.answer.format);
     }
     let drivers = command.renderer.iter().map(|name| driver_called(name)).collect::<Result<Vec<_>, _>>()?;
     if let (true, Some(pages)) = (command.stored, &command.output) {
@@ -57,12 +57,12 @@ pub fn run(command: &Conventions) -> Result<Exit, Failure> {
     let mut all = Vec::new();
     for runner in &runners {
         let results = measured(runner, &asked, &mut Watcher::default())?;
-        if command.format != Format::Json {
+        if command.answer.format != Format::Json {
             terminal::print(&report::table(&results));
         }
         all.push(results);
     }
-    if command.format == Format::Json {
+    if command.answer.format == Format::Json {
         terminal::print(&report::json(&all));
     }
     if let Some(pages) = &command.output {

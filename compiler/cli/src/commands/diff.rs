@@ -42,7 +42,7 @@ pub fn run(command: &Diff) -> Result<Exit, Failure> {
         tiles: command.tiles as usize,
         mask_non_finite: command.mask_nonfinite,
         // A line of ratios needs no more.
-        only: if command.format == Format::Short && command.output.is_none() { &["ratio"] } else { &[] },
+        only: if command.answer.format == Format::Short && command.output.is_none() { &["ratio"] } else { &[] },
         ..CompareOptions::default()
     };
     let comparison =
@@ -57,7 +57,7 @@ pub fn run(command: &Diff) -> Result<Exit, Failure> {
     if let Some(folder) = &command.output {
         write_folder(folder, command, &a, &b, &document)?;
     }
-    match command.format {
+    match command.answer.format {
         Format::Json => terminal::print(&format!("{document:#}\n")),
         Format::Short => terminal::print(&short(&comparison, beyond)),
         Format::Human | Format::Sarif | Format::Github => {

@@ -22,12 +22,12 @@ pub fn report(command: &Report) -> Result<Exit, Failure> {
     if book.count() == 0 {
         terminal::say(&format!("{} holds no images: the page says so", from_here(&command.folder)));
     }
-    make(book, &folder, command.force, command.open, command.format)
+    make(book, &folder, command.force, command.open, command.answer.format)
 }
 
 pub fn view(command: &View) -> Result<Exit, Failure> {
     let book = page::of_files(&command.files)?;
-    make(book, &command.output, command.force, command.open, command.format)
+    make(book, &command.output, command.force, command.open, command.answer.format)
 }
 
 fn make(book: Book, folder: &Path, force: bool, open: bool, format: Format) -> Result<Exit, Failure> {

@@ -170,7 +170,7 @@ fn add_one(command: &ReferenceAdd) -> Result<Exit, Failure> {
         max_depth: command.max_depth,
     };
     let (file, about) = reference::add(&references, one.scene, &one.project.choices, &declared, command.force)?;
-    if command.format == Format::Json {
+    if command.answer.format == Format::Json {
         terminal::print(&format!("{:#}\n", json!({ "file": file, "about": about })));
     } else {
         terminal::say(&format!("{} written: {}", file.display(), described(&about)));
@@ -198,7 +198,7 @@ fn list_all(command: &ReferenceList) -> Result<Exit, Failure> {
         entries.extend(reference::list(&references, &all, &command.renderer, command.scenes.is_empty())?);
     }
     entries.sort_by(|a, b| (&a.scene, &a.name).cmp(&(&b.scene, &b.name)));
-    match command.format {
+    match command.answer.format {
         Format::Json => {
             let rows: Vec<Value> = entries.iter().map(row).collect();
             terminal::print(&format!("{:#}\n", json!({ "references": rows })));

@@ -15,7 +15,7 @@ use crate::trust;
 
 pub fn run(command: &Renderers) -> Result<Exit, Failure> {
     match &command.action {
-        RenderersAction::List { format } => list(*format),
+        RenderersAction::List { answer } => list(answer.format),
         RenderersAction::Trust => trust_named(),
         RenderersAction::Install { names, force } => install_all(names, *force),
     }
