@@ -98,6 +98,13 @@ impl Stage {
         run(self.command(&["eval", "scenes/eval/a.toml"]).args(words))
     }
 
+    /// The evaluation in `undisturbed`, with chunks of its own.
+    fn undisturbed(&self) {
+        let mut command = self.command(&["eval", "scenes/eval/a.toml", "-o", "undisturbed"]);
+        let ran = run(command.env("LTSC_CACHE", self.path("another cache")));
+        assert_eq!((ran.code, self.calls()), (Some(1), 16), "{}", ran.err);
+    }
+
     fn calls(&self) -> usize {
         let calls = fs::read_to_string(self.path("calls")).unwrap_or_default();
         // One that is to be ended in no time may not come so far.
@@ -194,10 +201,7 @@ fn equal_renderers_agree_and_more_samples_need_only_the_rest() {
 fn an_evaluation_that_is_killed_goes_on_and_its_results_are_the_same() {
     let stage = Stage::new();
     stage.evaluation(&["even", "bright"], "name = \"a\"");
-    let undisturbed = run(stage
-        .command(&["eval", "scenes/eval/a.toml", "-o", "undisturbed"])
-        .env("LTSC_CACHE", stage.path("another cache")));
-    assert_eq!((undisturbed.code, stage.calls()), (Some(1), 16), "{}", undisturbed.err);
+    stage.undisturbed();
     let mut kills = 0;
     for wanted in [3, 9, 14] {
         let mut child = stage
@@ -538,6 +542,9 @@ fn a_program_without_a_driver_is_called_by_its_command() {
     let calls = fs::read_to_string(stage.path("calls")).expect("calls");
     assert_eq!(calls.lines().count(), 8);
     assert!(calls.lines().all(|line| line.ends_with(" 4 -q") && line.contains("one.gltf")), "{calls}");
+    // Seeds end: no image is taken twice.
+    let ran = evaluation("{exe} {out} {scene} {seed} {samples} {options}", u32::MAX - 2);
+    assert!(ran.code == Some(3) && ran.err.contains("more seeds than there are"), "{:?} {}", ran.code, ran.err);
     // Without a seed there is one image, and no verdict.
     let ran = evaluation("{exe} {out} {scene} 3 {samples} {options}", 0);
     assert_eq!(ran.code, Some(0), "{}{}", ran.out, ran.err);
@@ -599,15 +606,42 @@ fn a_scene_is_reduced_to_what_the_difference_needs() {
     assert!(same.message.contains("do not differ"), "{}", same.message);
 }
 
+#[test]
+fn chunks_that_a_disk_has_spoilt_are_rendered_again_or_fail_alone() {
+    let stage = Stage::new();
+    stage.evaluation(&["even", "bright"], "name = \"a\"");
+    assert_eq!(stage.eval(&[]).code, Some(1));
+    let results = fs::read(stage.path("scenes/eval/results/a/results.json")).expect("results");
+    let chunks: Vec<PathBuf> = files_below(&stage.path("cache/chunks"))
+        .iter()
+        .filter(|name| name.ends_with("-3.exr"))
+        .map(|name| stage.path("cache/chunks").join(name))
+        .collect();
+    assert_eq!(chunks.len(), 2);
+    // No chunk, and that of another scene.
+    let whole = fs::read(&chunks[0]).expect("a chunk");
+    fs::write(&chunks[0], "").expect("written");
+    fs::copy(stage.path("even/3.exr"), &chunks[1]).expect("written");
+    assert_eq!(stage.eval(&["--force"]).code, Some(1));
+    assert_eq!(stage.calls(), 16 + 2);
+    assert_eq!(fs::read(stage.path("scenes/eval/results/a/results.json")).expect("results"), results);
+    // A header without all of its pixels.
+    fs::write(&chunks[0], &whole[..whole.len() - 40]).expect("written");
+    let ran = stage.eval(&["--force"]);
+    assert_eq!(ran.code, Some(4), "{}", ran.err);
+    let runs = stage.results()["conditions"][0]["runs"].clone();
+    let of = |at: usize| (runs[at]["status"].as_str(), runs[at]["failure"].as_str().unwrap_or_default().to_owned());
+    let (bad, good) = if of(0).0 == Some("failed") { (of(0), of(1)) } else { (of(1), of(0)) };
+    assert_eq!((bad.0, good.0), (Some("failed"), Some("done")), "{runs}");
+    assert!(bad.1.contains("-3.exr") && bad.1.contains("rendered again"), "{}", bad.1);
+}
+
 /// On small file systems in memory, which only root may make.
 #[test]
 fn a_full_disk_ends_an_evaluation_and_the_next_one_goes_on() {
     let stage = Stage::new();
     stage.evaluation(&["even", "bright"], "name = \"a\"");
-    let undisturbed = run(stage
-        .command(&["eval", "scenes/eval/a.toml", "-o", "undisturbed"])
-        .env("LTSC_CACHE", stage.path("another cache")));
-    assert_eq!((undisturbed.code, stage.calls()), (Some(1), 16), "{}", undisturbed.err);
+    stage.undisturbed();
     let mount = |options: &str, place: &Path| {
         let mut command = Command::new("mount");
         command.args(["-t", "tmpfs", "-o", options, "tmpfs"]).arg(place);

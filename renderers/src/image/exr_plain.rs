@@ -33,7 +33,10 @@ pub(super) fn decode(bytes: &[u8], meta: &MetaData) -> Option<Image> {
         let fits = i64::from(number(0)?) - top == at as i64 && usize::try_from(number(4)?).ok()? == 12 * width;
         fits.then_some(&block[HEAD..])
     };
-    let mut pixels = vec![[0.0_f32; 3]; width * height];
+    // A header may claim more than any memory holds.
+    let count =
+        width.checked_mul(height).filter(|count| count.checked_mul(12).is_some_and(|size| size <= bytes.len()))?;
+    let mut pixels = vec![[0.0_f32; 3]; count];
     let fill = |first: usize, part: &mut [[f32; 3]]| -> Option<()> {
         for (at, pixels) in part.chunks_exact_mut(width).enumerate() {
             let (blue, rest) = row(first + at)?.split_at(4 * width);
@@ -113,6 +116,9 @@ mod tests {
         let bytes = plain_bytes(Path::new("a.exr"), &image(8, 8), &Provenance::default()).expect("bytes");
         let header = meta(&bytes);
         assert!(decode(&bytes[..bytes.len() - 1], &header).is_none(), "cut off");
+        let mut huge = header.clone();
+        huge.headers[0].layer_size = exr::math::Vec2(1 << 58, 8);
+        assert!(decode(&bytes, &huge).is_none(), "more than there is");
         // The number of a row, its length, and its place.
         let Ok((_, table)) = scan(&bytes) else { panic!("no header") };
         for at in [table, table + 64, table + 68] {

@@ -77,7 +77,7 @@ pub const CODES: &[Code] = &[
     ),
     remark(
         "evaluation-seeds",
-        "A renderer has no seeds for a case, so that it renders one image only.\nThe noise of an image is told by independent images of other seeds; without them there are metrics, and no verdict.",
+        "A renderer has no seeds for a case, so that it renders one image only; or a case takes more seeds than there are.\nThe noise of an image is told by independent images of other seeds; without them there are metrics, and no verdict.",
     ),
     code(
         "evaluation-setting",

@@ -98,11 +98,10 @@ impl Store {
         self.root.join(head).join(identity).join(format!("{samples}-{seed}.exr"))
     }
 
-    /// Whether a chunk is there. It appears as a whole, so a file is a chunk.
+    /// Whether a chunk is there, by its header.
     #[must_use]
     pub fn has(&self, identity: &str, samples: u32, seed: u32) -> bool {
-        let path = self.path(identity, samples, seed);
-        if self.alone { self.is_chunk(&path, identity) } else { path.is_file() }
+        self.is_chunk(&self.path(identity, samples, seed), identity)
     }
 
     /// Whether a file is a chunk, by its header: one that a failing disk has left empty or foreign is rendered again.

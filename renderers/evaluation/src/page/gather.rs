@@ -231,6 +231,7 @@ fn of_results(
     model.facts = facts;
     let text = regular::read_text(&folder.join("evaluation.toml"), regular::TEXT);
     model.cases = text.map(|text| described::cases(&text)).unwrap_or_default();
+    let times = timing.map(Timing::by_name).unwrap_or_default();
     for condition in &results.conditions {
         let at = book.model.scenes.len();
         book.model.scenes.push(Scene {
@@ -243,9 +244,7 @@ fn of_results(
         let mut numbers = BTreeMap::new();
         for run in &condition.runs {
             let run = &kept_inside(run);
-            let time = timing.and_then(|timing| {
-                timing.runs.iter().find(|time| time.condition == condition.name && time.label == run.label)
-            });
+            let time = times.get(&(condition.name.as_str(), run.label.as_str())).copied();
             let path = run.image.as_ref().map(|path| folder.join(path));
             if let Some((around, _)) = run.image.as_ref().and_then(|path| path.rsplit_once('/')) {
                 folders.insert(around.to_owned(), at);

@@ -121,17 +121,21 @@ impl Found {
     }
 }
 
-/// The reference in a file, held against a scene as it is now; none if the file is an image of another origin.
+/// The reference in a file, whatever it is of; none if the file is an image of another origin.
 ///
 /// # Errors
 /// If the file is damaged.
-pub fn of_file(file: &Path, scene: Option<(&Valid, &Choices)>) -> Result<Option<Found>, Failure> {
+pub fn of_file(file: &Path) -> Result<Option<Found>, Failure> {
     let Some((image, variance, about)) = store::decode(file)? else { return Ok(None) };
-    let stale = match scene {
-        Some((scene, choices)) => staleness(&about, scene, choices)?,
-        None => None,
-    };
-    Ok(Some(Found { file: file.to_owned(), image, variance, about, stale }))
+    Ok(Some(Found { file: file.to_owned(), image, variance, about, stale: None }))
+}
+
+/// Why the reference in a file does not show a scene as it is now, by its header alone; none if it does, or is an image of another origin.
+///
+/// # Errors
+/// If the header is damaged.
+pub fn stale(file: &Path, scene: &Valid, choices: &Choices) -> Result<Option<Stale>, Failure> {
+    store::describe(file)?.map_or(Ok(None), |about| staleness(&about, scene, choices))
 }
 
 /// The file of the reference of a scene for a renderer or a target, if there is one.

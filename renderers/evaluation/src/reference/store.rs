@@ -12,6 +12,7 @@ use std::path::Path;
 use ltsc_render::image::{Image, as_half, attributes, half_bytes, layered_bytes, read_layered};
 
 use super::about::{About, Stored};
+use crate::compare::verdict::{DARK, GRIDS, glare};
 use crate::failure::{Exit, Failure};
 
 /// The prefix of the channels that hold the standard error of the mean.
@@ -23,11 +24,8 @@ const LARGEST: f32 = 65_504.0;
 /// Images whose mean is below this are stored whole: a standard error of a hundredth of it would have 7 bits left.
 const DIM: f64 = 1.0 / 1024.0;
 
-/// Tiles along each side, the share of the image's mean as which darker tiles count, and how many times as bright as the image a pixel
-/// counts no more: as in the error.
-const TILES: usize = 8;
-const DARK: f64 = 0.1;
-const GLARE: f64 = 100.0;
+/// Tiles along each side, as in the error.
+const TILES: usize = GRIDS[0];
 
 /// By how much of its error storing may move a tile.
 const SHARE: f64 = 0.1;
@@ -98,8 +96,8 @@ fn fits(image: &Image) -> bool {
 
 /// The largest change of the mean of a tile, without the pixels that count in no error either.
 fn change(image: &Image, other: &Image) -> f64 {
-    let all = mean(image.pixels.iter().filter_map(grey)).abs();
-    let counts = |x: usize, y: usize| grey(&image.at(x, y)).is_some_and(|value| value <= GLARE * all);
+    let glare = glare(&image.pixels.iter().map(grey).collect::<Vec<_>>(), image.width);
+    let counts = |x: usize, y: usize| !glare[y * image.width + x];
     let of = |image: &Image, columns: Range<usize>, rows: Range<usize>| {
         let places = rows.flat_map(|y| columns.clone().map(move |x| (x, y)));
         mean(places.filter(|(x, y)| counts(*x, *y)).filter_map(|(x, y)| grey(&image.at(x, y))))

@@ -20,7 +20,7 @@ use crate::reference::{Found, of_file};
 use crate::watch::Watch;
 
 use super::folder::copy;
-use super::names::Names;
+use super::names::{Names, Places};
 use super::prepare::Prepared;
 use super::results::{self, FORM, Results, Settings, Status};
 use super::timing::{self, Timing};
@@ -69,9 +69,33 @@ struct At<'a> {
     /// How many of them are kept.
     kept: usize,
     /// What pixels see, of images of a size; made when it is asked for.
-    seen: BTreeMap<(usize, usize), Option<Seen>>,
-    /// Reference images by the file as it is written; the reason where one cannot be used.
-    references: BTreeMap<String, Result<Reference, String>>,
+    seen: BTreeMap<Size, Option<Seen>>,
+    /// Reference images by the file as it is written and the size of the images; the reason where one cannot be used.
+    references: BTreeMap<(String, Size), Result<Reference, String>>,
+}
+
+/// Width and height.
+type Size = (usize, usize);
+
+/// What of an evaluation belongs to a condition.
+#[derive(Clone, Default)]
+struct Own<'e> {
+    runs: Vec<usize>,
+    pairs: Vec<&'e model::Pair>,
+}
+
+impl<'e> Own<'e> {
+    /// In the order of the conditions.
+    fn of(evaluation: &'e model::Evaluation) -> Vec<Self> {
+        let mut all = vec![Self::default(); evaluation.conditions.len()];
+        for (at, run) in evaluation.runs.iter().enumerate() {
+            all[run.condition].runs.push(at);
+        }
+        for pair in &evaluation.pairs {
+            all[evaluation.runs[pair.b].condition].pairs.push(pair);
+        }
+        all
+    }
 }
 
 pub(super) fn judge(
@@ -88,8 +112,12 @@ pub(super) fn judge(
     watch.begin((evaluation.runs.len() + evaluation.pairs.len()) as u64, "comparing");
     let mut done = 0;
     let (mut conditions, mut runs) = (Vec::new(), Vec::new());
-    let mut names = Names::default();
-    for (at, condition) in evaluation.conditions.iter().enumerate() {
+    let places = Places::of(evaluation);
+    for (at, (condition, own)) in evaluation.conditions.iter().zip(Own::of(evaluation)).enumerate() {
+        if own.runs.is_empty() {
+            continue;
+        }
+        let name = &places.conditions[at];
         let mut here = At {
             study,
             prepared,
@@ -102,30 +130,26 @@ pub(super) fn judge(
             seen: BTreeMap::new(),
             references: BTreeMap::new(),
         };
-        let name = names.of(&condition.name);
-        let own: Vec<usize> = (0..evaluation.runs.len()).filter(|run| evaluation.runs[*run].condition == at).collect();
-        if own.is_empty() {
-            continue;
-        }
-        let mut files = Names::default();
         let mut made = Vec::new();
-        for run in &own {
+        for run in &own.runs {
             watch.doing(&study.label(evaluation.runs[*run]));
-            made.push(here.run(*run, &name, &files.of(&evaluation.label(evaluation.runs[*run])))?);
+            made.push(here.run(*run, name, &places.runs[*run])?);
             done += 1;
             watch.set(done);
         }
         let mut pairs = Vec::new();
-        for pair in evaluation.pairs.iter().filter(|pair| own.contains(&pair.b)) {
+        for pair in &own.pairs {
             pairs.push(here.pair(pair)?);
             done += 1;
             watch.set(done);
         }
-        for run in &own {
-            runs.extend(here.timing(*run)?);
+        // That of the first comparison of each.
+        let against: BTreeMap<usize, &model::Side> = own.pairs.iter().rev().map(|pair| (pair.b, &pair.a)).collect();
+        for run in &own.runs {
+            runs.extend(here.timing(*run, against.get(run).copied())?);
         }
-        here.references(&name).map_err(failed)?;
-        let groups = here.groups(&name, &pairs)?;
+        here.references(name).map_err(failed)?;
+        let groups = here.groups(name, &pairs)?;
         conditions.push(results::Condition {
             name: condition.name.clone(),
             scene: evaluation.scenes[condition.scene].name.clone(),
@@ -215,9 +239,14 @@ impl At<'_> {
             if !chunks.cost.version.is_empty() {
                 made.version.clone_from(&chunks.cost.version);
             }
-            let moments = chunks.images().moments().map_err(|error| {
-                Failure::new(Exit::Environment, error.to_string()).help("remove that chunk: it is rendered again")
-            })?;
+            let moments = match chunks.images().moments() {
+                Ok(moments) => moments,
+                Err(error) => {
+                    made.status = Status::Failed;
+                    made.failure = Some(format!("{error}; remove that chunk: it is rendered again"));
+                    return Ok(made);
+                }
+            };
             let mean = moments.mean_image();
             made.noise = timing::noise(&moments);
             made.non_finite = mean.non_finite();
@@ -298,7 +327,7 @@ impl At<'_> {
         made.samples.1 = b.cost.samples;
         let Some((of_b, _)) = self.means.get(&pair.b) else { return Ok(Err(format!("`{}` has no image", made.b))) };
         let (of_a, side_a) = match &pair.a {
-            model::Side::File(file) => match self.references.get(file) {
+            model::Side::File(file) => match self.reference(file, pair.b) {
                 Some(Ok(reference)) => (&reference.image, Side::Reference(reference)),
                 Some(Err(why)) => return Ok(Err(why.clone())),
                 None => return Ok(Err("the reference was not read".to_owned())),
@@ -362,20 +391,24 @@ impl At<'_> {
     /// On what the difference of two images lies.
     fn blame(&mut self, pair: &model::Pair) -> Vec<Blame> {
         let run = self.study.evaluation.runs[pair.b];
-        let size = self.prepared.jobs[self.prepared.runs[pair.b].job].size();
+        let size = self.size(pair.b);
         let scene = &self.study.conditions[run.condition].scene;
         let asked = &self.study.evaluation.scenes[self.study.evaluation.conditions[run.condition].scene];
         let make = || Seen::of(scene, &scene.cameras[camera(scene, asked.camera.as_deref())?], size);
-        let Some(seen) = self.seen.entry(size).or_insert_with(make) else { return Vec::new() };
+        self.seen.entry(size).or_insert_with(make);
+        let Some(Some(seen)) = self.seen.get(&size) else { return Vec::new() };
         let Some((b, vb)) = self.means.get(&pair.b) else { return Vec::new() };
         let b = Noisy { mean: b, variance: vb.as_ref() };
         let a = match &pair.a {
             model::Side::Run(at) => {
                 self.means.get(at).map(|(mean, variance)| Noisy { mean, variance: variance.as_ref() })
             }
-            model::Side::File(file) => self.references.get(file).and_then(|found| found.as_ref().ok()).map(|found| {
-                Noisy { mean: &found.image, variance: found.kept.as_ref().and_then(|kept| kept.variance.as_ref()) }
-            }),
+            model::Side::File(file) => {
+                self.reference(file, pair.b).and_then(|found| found.as_ref().ok()).map(|found| Noisy {
+                    mean: &found.image,
+                    variance: found.kept.as_ref().and_then(|kept| kept.variance.as_ref()),
+                })
+            }
         };
         a.map_or(Vec::new(), |a| blame(a, b, seen))
     }
@@ -400,15 +433,26 @@ impl At<'_> {
         Ok(all)
     }
 
+    /// The size of a run's image.
+    fn size(&self, run: usize) -> Size {
+        self.prepared.jobs[self.prepared.runs[run].job].size()
+    }
+
+    /// A reference that was read for the run that is held against it.
+    fn reference(&self, file: &str, b: usize) -> Option<&Result<Reference, String>> {
+        self.references.get(&(file.to_owned(), self.size(b)))
+    }
+
     /// Reads a reference, at the size of the run that is held against it.
     fn load(&mut self, file: &str, b: usize) {
-        if self.references.contains_key(file) {
+        let size = self.size(b);
+        let key = (file.to_owned(), size);
+        if self.references.contains_key(&key) {
             return;
         }
-        let size = self.prepared.jobs[self.prepared.runs[b].job].size();
         let path = self.study.base.join(file);
         let loaded =
-            match of_file(&path, None) {
+            match of_file(&path) {
                 Err(failure) => Err(failure.message),
                 Ok(Some(found)) => found
                     .reduced(size.0, size.1)
@@ -421,13 +465,13 @@ impl At<'_> {
                     .map(|image| Reference { image, kept: None })
                     .map_err(|error| error.to_string()),
             };
-        self.references.insert(file.to_owned(), loaded);
+        self.references.insert(key, loaded);
     }
 
     /// References beside the images.
     fn references(&mut self, condition: &str) -> std::io::Result<()> {
         let mut names = Names::default();
-        for (file, reference) in &self.references {
+        for ((file, _), reference) in &self.references {
             let Ok(Reference { image, kept }) = reference else { continue };
             let stem = Path::new(file).file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
             let path = format!("references/{condition}/{}.exr", names.of(&stem));
@@ -442,15 +486,14 @@ impl At<'_> {
         Ok(())
     }
 
-    /// Times of a run that is done.
-    fn timing(&self, at: usize) -> Result<Option<timing::Run>, Failure> {
+    /// Times of a run that is done, and how its error fell against an image.
+    fn timing(&self, at: usize, against: Option<&model::Side>) -> Result<Option<timing::Run>, Failure> {
         let evaluation = self.study.evaluation;
-        let Fate::Done(chunks) = &self.fates[at] else { return Ok(None) };
+        let (Fate::Done(chunks), true) = (&self.fates[at], self.means.contains_key(&at)) else { return Ok(None) };
         let run = evaluation.runs[at];
-        let first = evaluation.pairs.iter().find(|pair| pair.b == at);
-        let reference = first.and_then(|pair| match &pair.a {
+        let reference = against.and_then(|side| match side {
             model::Side::Run(other) => self.means.get(other).map(|(mean, _)| mean),
-            model::Side::File(file) => self.references.get(file)?.as_ref().ok().map(|reference| &reference.image),
+            model::Side::File(file) => self.reference(file, at)?.as_ref().ok().map(|reference| &reference.image),
         });
         let job = &self.prepared.jobs[self.prepared.runs[at].job];
         Ok(Some(timing::Run {

@@ -9,11 +9,10 @@ use crate::chunk::{Chunks, Cost};
 use crate::disk::{DiskSink, unwritable};
 use crate::failure::Failure;
 use crate::file::Evaluation;
-use crate::file::model::Run;
 use crate::job::Job;
 
 use super::folder::copy;
-use super::names::Names;
+use super::names::{Names, Places};
 
 /// Where a run lies whose image is made by hand: below the folder of results, the same whatever their date.
 pub struct Manual {
@@ -24,18 +23,13 @@ pub struct Manual {
 }
 
 impl Manual {
-    /// Of a run; `base` is the folder of the evaluation's file.
-    pub(super) fn of(evaluation: &Evaluation, run: Run, base: &Path) -> Self {
-        // Names are those of the results: given in the order of the file, none twice.
-        let mut conditions = Names::default();
-        let named = evaluation.conditions.iter().map(|condition| conditions.of(&condition.name));
-        let condition = named.take(run.condition + 1).last().unwrap_or_default();
-        let mut labels = Names::default();
-        let own = evaluation.runs.iter().filter(|other| other.condition == run.condition && **other <= run);
-        let label = own.map(|other| labels.of(&evaluation.label(*other))).last().unwrap_or_default();
+    /// Of a run, by its number; `base` is the folder of the evaluation's file.
+    pub(super) fn of(evaluation: &Evaluation, run: usize, places: &Places, base: &Path) -> Self {
+        let condition = &places.conditions[evaluation.runs[run].condition];
+        let label = &places.runs[run];
         let study = Names::default().of(&evaluation.name);
         let folder = base.join(&evaluation.output.folder).join("manual").join(study).join(condition);
-        Self { files: folder.join(&label), image: folder.join(format!("{label}.exr")) }
+        Self { files: folder.join(label), image: folder.join(format!("{label}.exr")) }
     }
 
     /// Writes the files where they are not as they should be.

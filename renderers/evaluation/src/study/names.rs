@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use crate::file::Evaluation;
+
 /// Names of devices that no file of Windows may have.
 const DEVICES: &[&str] = &["con", "prn", "aux", "nul"];
 
@@ -26,6 +28,26 @@ impl Names {
             number += 1;
         }
         name
+    }
+}
+
+/// Names of all conditions and runs of an evaluation, given in the order of its file, so that results and what is made by hand have the
+/// same.
+pub(super) struct Places {
+    /// In the order of [`Evaluation::conditions`].
+    pub conditions: Vec<String>,
+    /// In the order of [`Evaluation::runs`]; names differ within a condition.
+    pub runs: Vec<String>,
+}
+
+impl Places {
+    /// Of an evaluation.
+    pub fn of(evaluation: &Evaluation) -> Self {
+        let mut names = Names::default();
+        let conditions: Vec<String> = evaluation.conditions.iter().map(|condition| names.of(&condition.name)).collect();
+        let mut within: Vec<Names> = conditions.iter().map(|_| Names::default()).collect();
+        let runs = evaluation.runs.iter().map(|run| within[run.condition].of(&evaluation.label(*run))).collect();
+        Self { conditions, runs }
     }
 }
 

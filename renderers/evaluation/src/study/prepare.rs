@@ -22,9 +22,10 @@ use crate::failure::Failure;
 use crate::file::model::{Condition, Run, Side, Variant};
 use crate::file::{Evaluation, LEAST_CHUNKS};
 use crate::job::{Job, Runner, Writing, stated, target_of};
-use crate::reference::of_file;
+use crate::reference;
 
 use super::manual::Manual;
+use super::names::Places;
 use super::runners::Runners;
 
 /// The code of a finding that a case cannot be rendered.
@@ -78,13 +79,15 @@ pub fn prepare<'r>(
     runners: &'r Runners,
     base: &Path,
 ) -> Result<Prepared<'r>, Vec<Finding>> {
-    let one = |run: &Run| {
+    let places = Places::of(evaluation);
+    let one = |(at, run): (usize, &Run)| {
         let runner = runners.get(evaluation.variant(*run).renderer)?;
         let mut findings = Vec::new();
-        let made = ready(evaluation, *run, &conditions[run.condition], runner, base, &mut findings);
+        let manual = evaluation.renderer(*run).manual.then(|| Manual::of(evaluation, at, &places, base));
+        let made = ready(evaluation, *run, &conditions[run.condition], runner, manual, &mut findings);
         Some((made, findings))
     };
-    let made: Vec<_> = evaluation.runs.par_iter().map(one).collect();
+    let made: Vec<_> = evaluation.runs.par_iter().enumerate().map(one).collect();
     let documentation = conditions.iter().map(|condition| words(&condition.scene.documentation)).collect();
     let mut prepared = Prepared { jobs: Vec::new(), runs: Vec::new(), documentation, findings: Vec::new() };
     let mut known: BTreeMap<String, usize> = BTreeMap::new();
@@ -154,8 +157,7 @@ fn stale(evaluation: &Evaluation, conditions: &[Loaded], base: &Path, findings: 
             continue;
         };
         // One that cannot be read is told with the comparison.
-        let Ok(Some(found)) = of_file(&base.join(file), Some((&scene, &loaded.choices))) else { continue };
-        if let Some(why) = found.stale {
+        if let Ok(Some(why)) = reference::stale(&base.join(file), &scene, &loaded.choices) {
             let place = pair.span.unwrap_or(variant.span);
             let message = format!("the reference `{file}` is not of the scene as it is now: {why}");
             findings.push(
@@ -187,7 +189,7 @@ fn ready<'r>(
     run: Run,
     loaded: &Loaded,
     runner: &'r Runner,
-    base: &Path,
+    manual: Option<Manual>,
     findings: &mut Vec<Finding>,
 ) -> Option<(Job<'r>, Ready)> {
     let variant = evaluation.variant(run);
@@ -254,7 +256,6 @@ fn ready<'r>(
         }
     };
     let first_seed = variant.settings.seed.map_or(0, |seed| seed.value);
-    let manual = evaluation.renderer(run).manual.then(|| Manual::of(evaluation, run, base));
     let seeded = match &manual {
         // The plan has what the files say; how many images there are is seen later.
         Some(_) => {
@@ -322,7 +323,17 @@ fn seeded(
         findings.push(cannot(label, variant, Failure::of_renderer(&error)));
         return None;
     }
-    let last = first_seed.saturating_add(plan.count.max(LEAST_CHUNKS) - 1);
+    let further = plan.count.max(2) - 1;
+    let Some(last) = first_seed.checked_add(further) else {
+        if plan.count == 1 {
+            return Some(false);
+        }
+        let message = format!("the {} chunks of the case `{label}` take more seeds than there are", plan.count);
+        let place = variant.settings.seed.map_or(variant.span, |seed| seed.span);
+        let finding = Finding::error("evaluation-seeds", place, message);
+        findings.push(finding.help(format!("say {} at most", u32::MAX - further)));
+        return None;
+    };
     let Err(error) = job.refuse(plan.samples, last) else { return Some(true) };
     if plan.count > 1 {
         let name = job.runner().driver.name;

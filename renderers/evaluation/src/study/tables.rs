@@ -1,5 +1,6 @@
 //! Results for people: Markdown to read, and CSV for programs that make tables.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use crate::compare::METRICS;
@@ -8,6 +9,9 @@ use crate::compare::verdict::{Outcome, Told};
 
 use super::results::{Condition, Pair, Results, Run, Status};
 use super::timing::{self, Timing};
+
+/// Times by condition and label.
+type Times<'t> = BTreeMap<(&'t str, &'t str), &'t timing::Run>;
 
 /// Metrics that are in the Markdown; the CSV has all.
 const SHOWN: &[&str] = &["ratio", "rmse", "relative-mse", "ssim", "flip"];
@@ -26,9 +30,10 @@ pub(super) fn markdown(results: &Results, timing: &Timing) -> String {
         results.runs().count(),
         agree + differ + undecided + none
     );
+    let by_name = timing.by_name();
     for condition in &results.conditions {
         let _written = writeln!(text, "## {}\n", plain(&condition.name));
-        images_of(&mut text, condition, timing);
+        images_of(&mut text, condition, &by_name);
         if !condition.pairs.is_empty() {
             pairs_of(&mut text, condition);
         }
@@ -37,12 +42,12 @@ pub(super) fn markdown(results: &Results, timing: &Timing) -> String {
     text
 }
 
-fn images_of(text: &mut String, condition: &Condition, timing: &Timing) {
+fn images_of(text: &mut String, condition: &Condition, times: &Times<'_>) {
     text.push_str(
         "| image | renderer | samples | chunks | noise of a pixel | seconds | |\n|---|---|---|---|---|---|---|\n",
     );
     for run in &condition.runs {
-        let time = time_of(timing, condition, run);
+        let time = times.get(&(condition.name.as_str(), run.label.as_str()));
         let seconds = time.map_or("-".to_owned(), |time| format!("{:.1}", time.cost.seconds));
         let noise = run.noise.map_or("-".to_owned(), |noise| format!("{:.2} %", 100.0 * noise));
         let _written = writeln!(
@@ -173,10 +178,6 @@ fn times(text: &mut String, results: &Results, timing: &Timing) {
     let _written = writeln!(text, "\n{} {}.", results.generator, timing.date);
 }
 
-fn time_of<'t>(timing: &'t Timing, condition: &Condition, run: &Run) -> Option<&'t timing::Run> {
-    timing.runs.iter().find(|time| time.condition == condition.name && time.label == run.label)
-}
-
 /// One line for each image.
 pub(super) fn images(results: &Results, timing: &Timing) -> String {
     let mut rows = vec![
@@ -184,8 +185,9 @@ pub(super) fn images(results: &Results, timing: &Timing) -> String {
          peak_memory,efficiency,equal_error_seconds,group,parameters"
             .to_owned(),
     ];
+    let times = timing.by_name();
     for (condition, run) in results.runs() {
-        let time = time_of(timing, condition, run);
+        let time = times.get(&(condition.name.as_str(), run.label.as_str()));
         let number = |value: Option<f64>| value.map_or(String::new(), |value| value.to_string());
         let status = match run.status {
             Status::Done => "done",

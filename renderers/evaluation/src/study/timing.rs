@@ -22,6 +22,15 @@ pub struct Timing {
     pub runs: Vec<Run>,
 }
 
+impl Timing {
+    /// The times by condition and label.
+    #[must_use]
+    pub fn by_name(&self) -> BTreeMap<(&str, &str), &Run> {
+        // The first of a name, as one who reads the file finds it.
+        self.runs.iter().rev().map(|run| ((run.condition.as_str(), run.label.as_str()), run)).collect()
+    }
+}
+
 /// Times of an image.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Run {

@@ -177,14 +177,32 @@ fn with_budget(
     if !there(study, prepared, ready, plan) {
         return Ok(count);
     }
-    let most = budget.samples.map_or(u32::MAX, |samples| samples.value / plan.samples.max(1)).max(count);
-    let Some(time) = budget.time else { return Ok(most) };
-    let chunks = Chunks::of(study.store, &prepared.jobs[ready.job], plan, ready.first_seed)?;
+    let most = budget.samples.map_or(u32::MAX, |samples| samples.value / plan.samples.max(1));
+    let job = &prepared.jobs[ready.job];
+    let renders = |count: u32| {
+        let last = ready.first_seed.checked_add(count - 1);
+        last.is_some_and(|seed| job.refuse(plan.samples, seed).is_ok())
+    };
+    let Some(time) = budget.time else { return Ok(up_to(count, most, renders)) };
+    let chunks = Chunks::of(study.store, job, plan, ready.first_seed)?;
     let more = further(time.value, chunks.cost.seconds, count).ok_or_else(|| {
         Failure::new(Exit::Environment, "a renderer does not tell how long its chunks took".to_owned())
             .help("give a budget of samples")
     })?;
-    Ok(count.saturating_add(more).min(most))
+    Ok(up_to(count, count.saturating_add(more).min(most), renders))
+}
+
+/// The most chunks that a renderer has seeds for, of `least`, which it has, to `most`.
+fn up_to(least: u32, most: u32, renders: impl Fn(u32) -> bool) -> u32 {
+    if most <= least || renders(most) {
+        return most.max(least);
+    }
+    let (mut good, mut bad) = (least, most);
+    while bad - good > 1 {
+        let middle = good + (bad - good) / 2;
+        *(if renders(middle) { &mut good } else { &mut bad }) = middle;
+    }
+    good
 }
 
 /// How many chunks more fit into a time, where `count` of them took `seconds`.
@@ -200,6 +218,17 @@ fn further(time: Duration, seconds: f64, count: u32) -> Option<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn chunks_end_where_seeds_end() {
+        let of = |least, most, seeds| up_to(least, most, |count| count <= seeds);
+        assert_eq!(of(8, 100, 1000), 100);
+        assert_eq!(of(8, 8, 8), 8);
+        assert_eq!(of(8, 4, 1000), 8, "those that are there stay");
+        for seeds in [8, 9, 50, 99] {
+            assert_eq!(of(8, 100, seeds), seeds);
+        }
+    }
 
     #[test]
     fn a_budget_of_time_has_room_for_so_many_chunks_more() {

@@ -19,6 +19,15 @@ pub struct Stated {
 /// different, and are not called equal.
 const MOST_STATED: f64 = 0.1;
 
+/// Beyond this share an image may be as dark as it likes.
+const NEARLY_ALL: f64 = 0.99;
+
+/// The tolerance that a share of the right value asks for: tolerances are held against the darker of two images, and the one that is off
+/// may be that one.
+fn against_the_darker(share: f64) -> f64 {
+    share / (1.0 - share.min(NEARLY_ALL))
+}
+
 /// The verdict within a tolerance and what targets state beside it, `more`; and whether the images differ by more than would still be
 /// called agreement, and by no more than is stated.
 ///
@@ -34,7 +43,7 @@ pub fn judge_stated(
     if more <= MOST_STATED || verdict.outcome != Outcome::Differ {
         return Ok((verdict, false));
     }
-    let wide = judge(within(more))?;
+    let wide = judge(within(against_the_darker(more)))?;
     if wide.outcome == Outcome::Differ {
         return Ok((wide, false));
     }
@@ -68,5 +77,8 @@ mod tests {
         assert_eq!(of(1.08, 2.7), (Outcome::Agree, false), "within what a tenth allows");
         assert_eq!(of(1.5, 2.7), (Outcome::Undecided, true), "stated, and no agreement");
         assert_eq!(of(1.5, 0.2), (Outcome::Differ, false), "more than is stated");
+        assert_eq!(of(0.35, 0.691), (Outcome::Undecided, true), "darker by what is stated");
+        assert_eq!(of(0.25, 0.691), (Outcome::Differ, false), "darker than is stated");
+        assert_eq!(of(0.01, 1.2), (Outcome::Undecided, true), "as dark as it likes");
     }
 }
