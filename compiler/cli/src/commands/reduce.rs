@@ -6,9 +6,8 @@ use ltsc_core::eval::Overrides;
 use ltsc_core::pipeline;
 use ltsc_evaluation::chunk::Store;
 use ltsc_evaluation::compare::verdict::Tolerance;
-use ltsc_evaluation::disk::probe;
 use ltsc_evaluation::job::{Runner, driver_called};
-use ltsc_evaluation::reduce::{Question, write};
+use ltsc_evaluation::reduce::{Question, check, write};
 use serde_json::json;
 
 use crate::args::{Format, Reduce};
@@ -29,7 +28,7 @@ pub fn run(command: &Reduce) -> Result<Exit, Failure> {
     };
     let name = scene.scene.name.clone();
     let folder = command.output.clone().unwrap_or_else(|| PathBuf::from(format!("./{name}-reduced")));
-    probe(&folder)?;
+    check(&name, &folder, command.force)?;
     let find = |name: &str| {
         let driver = driver_called(name)?;
         Runner::find(driver, None, scene.project.program(driver.name)?, None)

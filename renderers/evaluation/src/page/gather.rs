@@ -39,7 +39,9 @@ pub struct Book {
     /// Which pixels see what: scene, file, size, names of groups.
     pub(super) groups: Vec<Seen>,
     /// Comparisons that no evaluation has made: scene, number in its list.
-    pub(super) open: Vec<(usize, usize)>,
+    pub(super) open: BTreeSet<(usize, usize)>,
+    /// Labels that images have, by scene.
+    labels: BTreeSet<(usize, String)>,
     /// How errors fell, where it is known.
     pub(super) timing: Option<Timing>,
     /// What was found of references, by the file they were made from: image.
@@ -87,7 +89,8 @@ impl Book {
             paths: Vec::new(),
             layers: BTreeMap::new(),
             groups: Vec::new(),
-            open: Vec::new(),
+            open: BTreeSet::new(),
+            labels: BTreeSet::new(),
             timing: None,
             wanted: Vec::new(),
         }
@@ -95,16 +98,13 @@ impl Book {
 
     /// Adds an image to a scene, with a label that no other one of the scene has.
     fn add(&mut self, scene: usize, mut picture: Picture, path: Option<PathBuf>) -> usize {
-        let images = &self.model.images;
-        let of = &mut self.model.scenes[scene].images;
-        let taken: BTreeSet<&str> = of.iter().map(|image| images[*image].label.as_str()).collect();
         let plain = picture.label.clone();
         let mut number = 2;
-        while taken.contains(picture.label.as_str()) {
+        while !self.labels.insert((scene, picture.label.clone())) {
             picture.label = format!("{plain} {number}");
             number += 1;
         }
-        of.push(images.len());
+        self.model.scenes[scene].images.push(self.model.images.len());
         self.model.images.push(picture);
         self.paths.push(path);
         self.paths.len() - 1
@@ -144,7 +144,7 @@ impl Book {
         let new: Vec<usize> =
             scene.images.iter().filter(there).copied().filter(|b| *b != a && !known.contains(b)).collect();
         for b in new {
-            self.open.push((at, scene.pairs.len()));
+            self.open.insert((at, scene.pairs.len()));
             let label = |image: usize| images[image].label.clone();
             let (a_label, b_label) = (label(a), label(b));
             scene.pairs.push(Pair { a: Some(a), b: Some(b), a_label, b_label, ..Pair::default() });

@@ -17,7 +17,7 @@ use crate::failure::{Exit, Failure};
 use crate::job::{Job, Runner, lacks, stated};
 use crate::watch::{Unwatched, Watch};
 
-pub use write::write;
+pub use write::{check, write};
 
 /// What is asked.
 pub struct Question<'a> {

@@ -13,6 +13,19 @@ use crate::compare::{difference_png, exposure};
 use crate::disk::{DiskSink, Manifest, unwritable};
 use crate::failure::{Exit, Failure};
 
+/// The folder as it is begun.
+fn begin(scene: &str, folder: &Path, force: bool) -> Result<DiskSink, Failure> {
+    DiskSink::new(folder, &format!("reduced {scene}"), false, force).map_err(|error| unwritable(folder, &error))
+}
+
+/// Refuses a folder that cannot be written or holds what ltsc did not write, before anything is rendered for it.
+///
+/// # Errors
+/// Why.
+pub fn check(scene: &str, folder: &Path, force: bool) -> Result<(), Failure> {
+    begin(scene, folder, force).map(drop)
+}
+
 /// Writes it.
 ///
 /// # Errors
@@ -22,7 +35,7 @@ pub fn write(reduced: &Reduced<'_>, folder: &Path, force: bool) -> Result<(), Fa
     let fault = |message: String| Failure::new(Exit::Environment, message);
     let shown = &reduced.shown;
     let names = names(shown);
-    let mut sink = DiskSink::new(folder, &format!("reduced {}", shown.scene.name), false, force).map_err(failed)?;
+    let mut sink = begin(&shown.scene.name, folder, force)?;
     let mut means = Vec::new();
     for ((job, chunks), name) in shown.jobs.iter().zip(&shown.chunks).zip(&names) {
         if let Some(manifest) = Manifest::read(job.folder()) {
