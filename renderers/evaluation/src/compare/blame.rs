@@ -1,18 +1,24 @@
 //! On what a difference lies: on edges, on lamps, on a material.
 //!
 //! The square of a difference has the variances of both images in it on average, whatever else it has. What is left without them is the
-//! difference itself, and can be shared out among the pixels that see something in common.
+//! difference itself, and can be shared out among the pixels that see something in common. Pixels that the verdict leaves out because
+//! they show a light directly have no part in it.
 
 use serde::{Deserialize, Serialize};
 
 use ltsc_core::survey::Seen;
 use ltsc_render::image::{Image, finite};
 
+use super::verdict::glare;
+
 /// Groups of pixels with less of the difference than this share are not told.
 const LEAST: f64 = 0.1;
 
 /// A group is told of where its squared difference is larger than that of noise by so many standard errors of it.
 const SIGNIFICANT: f64 = 4.0;
+
+/// A value that differs by less than this share of itself is the same one, rounded: renderers calculate in single precision.
+const ROUNDED: f64 = 1e-4;
 
 /// What pixels have in common.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
@@ -80,16 +86,21 @@ pub fn blame(a: Noisy<'_>, b: Noisy<'_>, seen: &Seen) -> Vec<Blame> {
     }
     let mut groups: std::collections::BTreeMap<(Kind, &str), Sums> = std::collections::BTreeMap::new();
     let mut pixels = 0.0;
-    for pixel in 0..seen.width * seen.height {
-        let (of_a, of_b) = (a.mean.pixels[pixel], b.mean.pixels[pixel]);
-        if !finite(&of_a) || !finite(&of_b) {
+    let both = || a.mean.pixels.iter().zip(&b.mean.pixels);
+    let light = |(a, b): (&[f32; 3], &[f32; 3])| {
+        (finite(a) && finite(b)).then(|| a.iter().map(|value| f64::from(*value)).sum::<f64>())
+    };
+    let light: Vec<Option<f64>> = both().map(light).collect();
+    let glare = glare(&light, seen.width);
+    for (pixel, (of_a, of_b)) in both().enumerate() {
+        if light[pixel].is_none() || glare[pixel] {
             continue;
         }
         let (va, vb) = (a.variance(pixel), b.variance(pixel));
         let mut sums = Sums { pixels: 1.0, ..Sums::default() };
         for channel in 0..3 {
             let (x, y) = (f64::from(of_a[channel]), f64::from(of_b[channel]));
-            let variance = va[channel] + vb[channel];
+            let variance = va[channel] + vb[channel] + (ROUNDED * x).powi(2);
             sums.a += x;
             sums.b += y;
             sums.squares += (y - x).powi(2) - variance;
@@ -249,6 +260,15 @@ mod tests {
             let (a, b) = (image(), image());
             assert!(blame(noisy(&a, &variance), noisy(&b, &variance), &seen).is_empty());
         }
+        // Nor is a light that is seen directly, whose noise nobody knows, and what is rounded.
+        let flat = Image::filled(32, 32, [1.0; 3]);
+        let free = |mean| Noisy { mean, variance: None };
+        let rounded = Image::filled(32, 32, [1.0 + 3e-5; 3]);
+        assert!(blame(free(&flat), free(&rounded), &seen).is_empty());
+        let (mut lamp, mut other) = (flat.clone(), flat.clone());
+        (lamp.pixels[500], other.pixels[500]) = ([1e4; 3], [2e4; 3]);
+        assert!(blame(free(&lamp), free(&other), &seen).is_empty());
+        assert!(!blame(free(&flat), free(&Image::filled(32, 32, [1.001; 3])), &seen).is_empty());
         let small = Image::filled(8, 8, [1.0; 3]);
         assert!(blame(noisy(&small, &small), noisy(&small, &small), &seen).is_empty(), "another size");
     }

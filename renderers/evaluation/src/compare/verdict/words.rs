@@ -59,7 +59,8 @@ impl Told<'_> {
                         format!("; if they are equal, {half} samples per pixel would show it in one of two cases{most}")
                     }
                 };
-                format!("{open} tiles not within {within}{needed}")
+                let tiles = if open == 1 { "tile" } else { "tiles" };
+                format!("{open} {tiles} not within {within}{needed}")
             }
         }
     }
@@ -88,7 +89,8 @@ impl Told<'_> {
             notes.push("whole images go up and down together".to_owned());
         }
         if verdict.masked > 0 {
-            notes.push(format!("{} pixels left out: not finite, or a light seen directly", verdict.masked));
+            let pixels = if verdict.masked == 1 { "pixel" } else { "pixels" };
+            notes.push(format!("{} {pixels} left out: not finite, or a light seen directly", verdict.masked));
         }
         notes
     }

@@ -43,9 +43,12 @@ const AGAINST: &[Against] = &[
 /// All plots, put into the model; and their files.
 pub(super) fn all(model: &mut Model, timing: Option<&Timing>) -> Vec<(String, String)> {
     let mut files = Vec::new();
+    let mut by_scene: BTreeMap<&str, Vec<&Run>> = BTreeMap::new();
+    for run in timing.iter().flat_map(|timing| &timing.runs) {
+        by_scene.entry(&run.condition).or_default().push(run);
+    }
     for (at, scene) in model.scenes.iter_mut().enumerate() {
-        let runs: Vec<&Run> =
-            timing.iter().flat_map(|timing| &timing.runs).filter(|run| run.condition == scene.name).collect();
+        let runs = by_scene.get(scene.name.as_str()).cloned().unwrap_or_default();
         for (quantity, against) in QUANTITIES.iter().flat_map(|one| AGAINST.iter().map(move |other| (one, other))) {
             let chart = falling(&scene.name, &runs, quantity, against);
             if let Some(chart) = chart {
