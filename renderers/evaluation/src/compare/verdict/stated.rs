@@ -22,10 +22,10 @@ const MOST_STATED: f64 = 0.1;
 /// Beyond this share an image may be as dark as it likes.
 const NEARLY_ALL: f64 = 0.99;
 
-/// The tolerance that a share of the right value asks for: tolerances are held against the darker of two images, and the one that is off
-/// may be that one.
-fn against_the_darker(share: f64) -> f64 {
-    share / (1.0 - share.min(NEARLY_ALL))
+/// The tolerance with a share of the right value that may be missing beside it: tolerances are held against the darker of two images, and the
+/// one that is off may be that one.
+fn beside(tolerance: f64, share: f64) -> f64 {
+    (tolerance + share) / (1.0 - share.min(NEARLY_ALL))
 }
 
 /// The verdict within a tolerance and what targets state beside it, `more`; and whether the images differ by more than would still be
@@ -38,12 +38,12 @@ pub fn judge_stated(
     tolerance: Tolerance,
     more: f64,
 ) -> Result<(Verdict, bool), CompareError> {
-    let within = |more: f64| Tolerance { tiles: tolerance.tiles + more, whole: tolerance.whole + more };
-    let verdict = judge(within(more.min(MOST_STATED)))?;
+    let added = more.min(MOST_STATED);
+    let verdict = judge(Tolerance { tiles: tolerance.tiles + added, whole: tolerance.whole + added })?;
     if more <= MOST_STATED || verdict.outcome != Outcome::Differ {
         return Ok((verdict, false));
     }
-    let wide = judge(within(against_the_darker(more)))?;
+    let wide = judge(Tolerance { tiles: beside(tolerance.tiles, more), whole: beside(tolerance.whole, more) })?;
     if wide.outcome == Outcome::Differ {
         return Ok((wide, false));
     }
@@ -78,6 +78,7 @@ mod tests {
         assert_eq!(of(1.5, 2.7), (Outcome::Undecided, true), "stated, and no agreement");
         assert_eq!(of(1.5, 0.2), (Outcome::Differ, false), "more than is stated");
         assert_eq!(of(0.35, 0.691), (Outcome::Undecided, true), "darker by what is stated");
+        assert_eq!(of(0.307, 0.691), (Outcome::Undecided, true), "and by the tolerance of what is left");
         assert_eq!(of(0.25, 0.691), (Outcome::Differ, false), "darker than is stated");
         assert_eq!(of(0.01, 1.2), (Outcome::Undecided, true), "as dark as it likes");
     }
