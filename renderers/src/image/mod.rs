@@ -13,6 +13,7 @@ use std::path::Path;
 use crate::regular;
 
 pub use error::ImageError;
+pub use exr_plain::Rows;
 pub use exr_write::{as_half, exr_bytes, half_bytes, layered_bytes, plain_bytes, write_exr};
 pub use pfm::write_pfm;
 pub use provenance::Provenance;

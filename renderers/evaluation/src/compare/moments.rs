@@ -1,4 +1,5 @@
-//! Moments of each pixel over several images, gathered one image at a time, so that memory does not grow with their number.
+//! Moments of each pixel over several images, gathered piece by piece of the picture over all images, so that memory does not grow with
+//! their number, and what is known of a piece stays near the processor.
 
 use rayon::prelude::*;
 
@@ -9,8 +10,11 @@ use super::CompareError;
 /// Red, green, blue, and the mean of the three.
 pub(super) const PARTS: usize = 4;
 
-/// Pixels that one thread works on at a time; whole rows.
-const PIECE: usize = 1 << 14;
+/// Pixels that are looked at in all images before the next ones; whole rows.
+const PIECE: usize = 1 << 12;
+
+/// Pieces of the picture that one thread takes at a time.
+const BAND: usize = 32;
 
 /// Tiles along each side whose sums are kept of each image.
 pub(super) const FINE: usize = 8;
@@ -20,44 +24,157 @@ pub(super) type TileSums = [[f64; PARTS]; FINE * FINE];
 
 /// The tile of the finest grid that each column, or row, lies in.
 pub(super) fn tile_of(size: usize) -> Vec<usize> {
-    (0..FINE).flat_map(|at| std::iter::repeat_n(at, (at + 1) * size / FINE - at * size / FINE)).collect()
+    (0..FINE).flat_map(|at| std::iter::repeat_n(at, starts(size, at + 1) - starts(size, at))).collect()
 }
 
-/// A pixel over the images that were added.
-#[derive(Clone, Copy)]
-struct Pixel {
-    mean: [f64; 3],
-    /// Sums of the squares of the deviations from the mean; the last is that of the mean of red, green and blue.
-    squares: [f32; PARTS],
-    /// Sums of their cubes.
-    cubes: [f32; 3],
-    /// The largest value.
-    largest: [f32; 3],
-    /// Whether some image is not finite here.
-    bad: bool,
+/// Where a tile of the finest grid begins.
+pub(super) fn starts(size: usize, tile: usize) -> usize {
+    tile * size / FINE
 }
 
-/// The moments of all pixels; 64 bytes for each, whatever the number of images.
+/// Images whose rows are asked for, from the first to the last.
+pub(super) trait Rows {
+    /// The rows of the image `at` from row `from` on, as many as `pixels` holds; those that are in memory are given as they are, others
+    /// are put there.
+    fn rows<'p>(
+        &'p mut self,
+        at: usize,
+        from: usize,
+        pixels: &'p mut [[f32; 3]],
+    ) -> Result<&'p [[f32; 3]], CompareError>;
+}
+
+/// The moments of all pixels; 61 bytes for each, whatever the number of images.
 pub struct Moments {
     /// Pixels in a row.
     pub width: usize,
     /// Rows.
     pub height: usize,
     count: usize,
-    pixels: Vec<Pixel>,
+    pixels: Pixels<Vec<f64>, Vec<f32>, Vec<bool>>,
     /// Of each image, over the pixels that are finite in it.
     tiles: Vec<TileSums>,
-    columns: Vec<usize>,
     rows: Vec<usize>,
+}
+
+/// Pixels over the images that were added: three numbers for each, but where it says otherwise.
+struct Pixels<D, S, B> {
+    mean: D,
+    /// Sums of the squares of the deviations from the mean.
+    squares: S,
+    /// The same of the mean of red, green and blue, one number for each.
+    grey: S,
+    /// Sums of their cubes.
+    cubes: S,
+    /// The largest value.
+    largest: S,
+    /// Whether some image is not finite here, one for each.
+    bad: B,
+}
+
+/// Some of the rows.
+type Part<'p> = Pixels<&'p mut [f64], &'p mut [f32], &'p mut [bool]>;
+
+impl Pixels<Vec<f64>, Vec<f32>, Vec<bool>> {
+    fn new(count: usize) -> Self {
+        Self {
+            mean: vec![0.0; 3 * count],
+            squares: vec![0.0; 3 * count],
+            grey: vec![0.0; count],
+            cubes: vec![0.0; 3 * count],
+            largest: vec![f32::MIN; 3 * count],
+            bad: vec![false; count],
+        }
+    }
+
+    fn whole(&mut self) -> Part<'_> {
+        let Self { mean, squares, grey, cubes, largest, bad } = self;
+        Pixels { mean, squares, grey, cubes, largest, bad }
+    }
+}
+
+impl<'p> Part<'p> {
+    /// The first `count` pixels, and the others.
+    fn split(self, count: usize) -> (Self, Self) {
+        let count = count.min(self.bad.len());
+        let (mean, means) = self.mean.split_at_mut(3 * count);
+        let (squares, more_squares) = self.squares.split_at_mut(3 * count);
+        let (grey, greys) = self.grey.split_at_mut(count);
+        let (cubes, more_cubes) = self.cubes.split_at_mut(3 * count);
+        let (largest, more_largest) = self.largest.split_at_mut(3 * count);
+        let (bad, more_bad) = self.bad.split_at_mut(count);
+        let rest = Pixels {
+            mean: means,
+            squares: more_squares,
+            grey: greys,
+            cubes: more_cubes,
+            largest: more_largest,
+            bad: more_bad,
+        };
+        (Pixels { mean, squares, grey, cubes, largest, bad }, rest)
+    }
+
+    /// All of them, `count` at a time.
+    fn pieces(self, count: usize) -> Vec<Self> {
+        let (mut all, mut rest) = (Vec::new(), self);
+        while !rest.bad.is_empty() {
+            let (first, others) = rest.split(count);
+            all.push(first);
+            rest = others;
+        }
+        all
+    }
+
+    /// Adds the `n`th value of each (Terriberry's update of central moments), all of which are finite.
+    fn add(&mut self, values: &[[f32; 3]], n: f64) {
+        const THIRD: f64 = 1.0 / 3.0;
+        let share = n.recip();
+        let grey = values.iter().zip(self.mean.as_chunks::<3>().0).zip(&mut *self.grey);
+        for ((value, mean), squares) in grey {
+            let value = value.map(f64::from);
+            let off = (value[0] + value[1] + value[2]) * THIRD - (mean[0] + mean[1] + mean[2]) * THIRD;
+            *squares += (off * off * (n - 1.0) * share) as f32;
+        }
+        let sums = self.squares.iter_mut().zip(&mut *self.cubes).zip(&mut *self.largest);
+        for ((value, mean), ((squares, cubes), largest)) in values.as_flattened().iter().zip(&mut *self.mean).zip(sums)
+        {
+            let off = f64::from(*value) - *mean;
+            let step = off * share;
+            let square = off * step * (n - 1.0);
+            let before = f64::from(*squares);
+            *cubes += (square * step * (n - 2.0) - 3.0 * step * before) as f32;
+            *squares = (before + square) as f32;
+            *mean += step;
+            *largest = if *value > *largest { *value } else { *largest };
+        }
+    }
+
+    /// The same where some may not be finite, or were not in images before.
+    fn add_each(&mut self, values: &[[f32; 3]], n: f64) {
+        for (at, value) in values.iter().enumerate() {
+            self.bad[at] |= !finite(value);
+            if !self.bad[at] {
+                let three = 3 * at..3 * at + 3;
+                let mut one = Pixels {
+                    mean: &mut self.mean[three.clone()],
+                    squares: &mut self.squares[three.clone()],
+                    grey: &mut self.grey[at..=at],
+                    cubes: &mut self.cubes[three.clone()],
+                    largest: &mut self.largest[three],
+                    bad: &mut self.bad[at..=at],
+                };
+                one.add(std::slice::from_ref(value), n);
+            }
+        }
+    }
 }
 
 impl Moments {
     /// Of no image yet.
     #[must_use]
     pub fn new(width: usize, height: usize) -> Self {
-        let none = Pixel { mean: [0.0; 3], squares: [0.0; PARTS], cubes: [0.0; 3], largest: [f32::MIN; 3], bad: false };
-        let (columns, rows) = (tile_of(width), tile_of(height));
-        Self { width, height, count: 0, pixels: vec![none; width * height], tiles: Vec::new(), columns, rows }
+        let rows = tile_of(height);
+        Self { width, height, count: 0, pixels: Pixels::new(width * height), tiles: Vec::new(), rows }
     }
 
     /// Those of `count` images of which only the mean and the variance of that mean are left. What else there is to know of them is
@@ -71,19 +188,18 @@ impl Moments {
             return Err(CompareError::Size { a: size(mean), b: size(variance) });
         }
         let freedom = count as f64 * count.saturating_sub(1) as f64;
-        let of = |(value, variance): (&[f32; 3], &[f32; 3])| {
+        let mut all = Self { count, ..Self::new(mean.width, mean.height) };
+        for (at, (value, variance)) in mean.pixels.iter().zip(&variance.pixels).enumerate() {
             let squares = variance.map(|part| f64::from(part) * freedom);
             let grey = (squares.iter().map(|part| part.max(0.0).sqrt()).sum::<f64>() / 3.0).powi(2);
-            Pixel {
-                mean: value.map(f64::from),
-                squares: [squares[0] as f32, squares[1] as f32, squares[2] as f32, grey as f32],
-                cubes: [0.0; 3],
-                largest: *value,
-                bad: !finite(value) || !finite(variance),
-            }
-        };
-        let pixels = mean.pixels.iter().zip(&variance.pixels).map(of).collect();
-        Ok(Self { count, pixels, ..Self::new(mean.width, mean.height) })
+            let three = 3 * at..3 * at + 3;
+            all.pixels.mean[three.clone()].copy_from_slice(&value.map(f64::from));
+            all.pixels.squares[three.clone()].copy_from_slice(&squares.map(|sum| sum as f32));
+            all.pixels.grey[at] = grey as f32;
+            all.pixels.largest[three].copy_from_slice(value);
+            all.pixels.bad[at] = !finite(value) || !finite(variance);
+        }
+        Ok(all)
     }
 
     /// Adds an image.
@@ -94,52 +210,81 @@ impl Moments {
         self.add_all(&[image])
     }
 
-    /// Adds images, several at once, which takes less of memory's time than one after the other, and gives the same.
+    /// Adds images that are in memory.
     ///
     /// # Errors
     /// If one has another size; none is added then.
     pub fn add_all(&mut self, images: &[&Image]) -> Result<(), CompareError> {
-        let (a, other) =
-            ((self.width, self.height), |image: &&&Image| (image.width, image.height) != (self.width, self.height));
-        if let Some(image) = images.iter().find(other) {
-            return Err(CompareError::Size { a, b: (image.width, image.height) });
+        struct Held<'i>(&'i [&'i Image]);
+        impl Rows for Held<'_> {
+            fn rows<'p>(
+                &'p mut self,
+                at: usize,
+                from: usize,
+                pixels: &'p mut [[f32; 3]],
+            ) -> Result<&'p [[f32; 3]], CompareError> {
+                let image = self.0[at];
+                let start = from * image.width;
+                Ok(&image.pixels[start..start + pixels.len()])
+            }
         }
-        let first = self.count;
-        self.count += images.len();
+        let size = (self.width, self.height);
+        if let Some(image) = images.iter().find(|image| (image.width, image.height) != size) {
+            return Err(CompareError::Size { a: size, b: (image.width, image.height) });
+        }
+        self.gather(images.len(), || Ok(Held(images)))
+    }
+
+    /// Adds `count` images of this size, the rows of which `open` gives; it is asked once for each band of the picture. Sums are put together
+    /// in the order of rows, so that they do not depend on the machine.
+    ///
+    /// # Errors
+    /// As of `open` and what it gives; this is of no use then.
+    pub(super) fn gather<R: Rows>(
+        &mut self,
+        count: usize,
+        open: impl Fn() -> Result<R, CompareError> + Sync,
+    ) -> Result<(), CompareError> {
+        let (first, width, rows) = (self.count, self.width, &self.rows);
+        self.count += count;
         if self.width == 0 {
             return Ok(());
         }
-        let lines = (PIECE / self.width).max(1);
-        let (width, columns, rows) = (self.width, &self.columns, &self.rows);
-        // One row lies in one row of tiles; sums are put together in their order, so that they do not depend on the machine. What is known of a
-        // piece of the image is looked at for all images before the next piece.
-        let of_piece = |(piece, pixels): (usize, &mut [Pixel])| -> Vec<Vec<(usize, RowSums)>> {
-            let from = piece * lines * width;
-            let mut all = Vec::with_capacity(images.len());
-            for (at, image) in images.iter().enumerate() {
-                let n = (first + at + 1) as f64;
-                let values = image.pixels[from..from + pixels.len()].chunks_exact(width);
-                let of_lines = pixels.chunks_exact_mut(width).zip(values).enumerate();
-                all.push(
-                    of_lines
-                        .map(|(line, (pixels, values))| (rows[piece * lines + line], row(pixels, values, columns, n)))
-                        .collect(),
-                );
+        let lines = (PIECE / width).max(1);
+        // Of each row the sums of each image.
+        let of_band = |(band, pixels): (usize, Part<'_>)| -> Result<Vec<Vec<RowSums>>, CompareError> {
+            let mut images = open()?;
+            let mut buffer = vec![[0.0; 3]; lines * width];
+            let mut all = Vec::new();
+            for (piece, pixels) in pixels.pieces(lines * width).into_iter().enumerate() {
+                let from = (band * BAND + piece) * lines;
+                let mut of_lines: Vec<(Part<'_>, Vec<RowSums>)> =
+                    pixels.pieces(width).into_iter().map(|line| (line, Vec::with_capacity(count))).collect();
+                let buffer = &mut buffer[..of_lines.len() * width];
+                for at in 0..count {
+                    let values = images.rows(at, from, buffer)?;
+                    for ((line, sums), values) in of_lines.iter_mut().zip(values.chunks_exact(width)) {
+                        sums.push(row(line, values, (first + at + 1) as f64));
+                    }
+                }
+                all.extend(of_lines.into_iter().map(|(_, sums)| sums));
             }
-            all
+            Ok(all)
         };
-        let pieces: Vec<Vec<Vec<(usize, RowSums)>>> =
-            self.pixels.par_chunks_mut(lines * width).enumerate().map(of_piece).collect();
-        for at in 0..images.len() {
+        let bands = self.pixels.whole().pieces(BAND * lines * width);
+        let bands: Vec<Vec<Vec<RowSums>>> =
+            bands.into_par_iter().enumerate().map(of_band).collect::<Result<_, CompareError>>()?;
+        let of_image = |at: usize| {
             let mut tiles = [[0.0; PARTS]; FINE * FINE];
-            for (row, sums) in pieces.iter().flat_map(|piece| &piece[at]) {
-                for (column, sums) in sums.iter().enumerate() {
+            for (sums, row) in bands.iter().flatten().zip(rows) {
+                for (column, sums) in sums[at].iter().enumerate() {
                     let tile = &mut tiles[row * FINE + column];
                     (0..PARTS).for_each(|part| tile[part] += sums[part]);
                 }
             }
-            self.tiles.push(tiles);
-        }
+            tiles
+        };
+        self.tiles.extend((0..count).map(of_image));
         Ok(())
     }
 
@@ -156,84 +301,73 @@ impl Moments {
 
     /// Whether some image is infinite or not a number in a pixel.
     pub(super) fn is_bad(&self, at: usize) -> bool {
-        self.pixels[at].bad
+        self.pixels.bad[at]
     }
 
     pub(super) fn mean(&self, at: usize) -> [f64; 3] {
-        self.pixels[at].mean
+        of(&self.pixels.mean, at)
     }
 
     /// The variance of one image in a pixel.
     pub(super) fn variance(&self, at: usize) -> [f64; PARTS] {
         let freedom = (self.count as f64 - 1.0).max(1.0);
-        self.pixels[at].squares.map(|sum| f64::from(sum) / freedom)
+        let [r, g, b] = of(&self.pixels.squares, at);
+        [r, g, b, self.pixels.grey[at]].map(|sum| f64::from(sum) / freedom)
     }
 
     /// The sums of the cubes of deviations, and the largest value above the mean.
     pub(super) fn extremes(&self, at: usize) -> ([f64; 3], [f64; 3]) {
-        let pixel = &self.pixels[at];
-        let above = [0, 1, 2].map(|c: usize| (f64::from(pixel.largest[c]) - pixel.mean[c]).max(0.0));
-        (pixel.cubes.map(f64::from), above)
+        let (mean, largest) = (self.mean(at), of(&self.pixels.largest, at));
+        let above = [0, 1, 2].map(|c: usize| (f64::from(largest[c]) - mean[c]).max(0.0));
+        (of(&self.pixels.cubes, at).map(f64::from), above)
     }
 
     /// The mean of all images; not a number where one of them is not finite.
     #[must_use]
     pub fn mean_image(&self) -> Image {
-        self.image(|pixel| pixel.mean.map(|value| value as f32))
+        self.image(|at| self.mean(at).map(|value| value as f32))
     }
 
     /// The variance of that mean.
     #[must_use]
     pub fn variance_image(&self) -> Image {
         let share = 1.0 / ((self.count as f64 - 1.0).max(1.0) * self.count.max(1) as f64);
-        self.image(|pixel| [0, 1, 2].map(|c: usize| (f64::from(pixel.squares[c]) * share) as f32))
+        self.image(|at| of(&self.pixels.squares, at).map(|sum| (f64::from(sum) * share) as f32))
     }
 
-    fn image(&self, value: impl Fn(&Pixel) -> [f32; 3] + Sync) -> Image {
-        let of = |pixel: &Pixel| if pixel.bad { [f32::NAN; 3] } else { value(pixel) };
-        Image { width: self.width, height: self.height, pixels: self.pixels.par_iter().map(of).collect() }
+    fn image(&self, value: impl Fn(usize) -> [f32; 3] + Sync) -> Image {
+        let of = |at: usize| if self.is_bad(at) { [f32::NAN; 3] } else { value(at) };
+        let pixels = (0..self.width * self.height).into_par_iter().map(of).collect();
+        Image { width: self.width, height: self.height, pixels }
     }
+}
+
+/// The three numbers of a pixel.
+fn of<T: Copy>(numbers: &[T], at: usize) -> [T; 3] {
+    [numbers[3 * at], numbers[3 * at + 1], numbers[3 * at + 2]]
 }
 
 /// Sums over the columns of tiles.
 type RowSums = [[f64; PARTS]; FINE];
 
 /// Adds a row of the `n`th image, and gives its sums.
-fn row(pixels: &mut [Pixel], values: &[[f32; 3]], columns: &[usize], n: f64) -> RowSums {
+fn row(pixels: &mut Part<'_>, values: &[[f32; 3]], n: f64) -> RowSums {
+    let clean = values.as_flattened().iter().fold(true, |all, value| all & value.is_finite());
+    if clean && !pixels.bad.contains(&true) {
+        pixels.add(values, n);
+    } else {
+        pixels.add_each(values, n);
+    }
     let mut sums = [[0.0; PARTS]; FINE];
-    let share = n.recip();
-    for ((pixel, value), column) in pixels.iter_mut().zip(values).zip(columns) {
-        pixel.add(*value, n, share);
-        if finite(value) {
-            let [r, g, b] = value.map(f64::from);
-            let sum = &mut sums[*column];
-            [r, g, b, (r + g + b) / 3.0].into_iter().zip(sum).for_each(|(value, sum)| *sum += value);
+    for (tile, sum) in sums.iter_mut().enumerate() {
+        for value in &values[starts(values.len(), tile)..starts(values.len(), tile + 1)] {
+            if clean || finite(value) {
+                let [r, g, b] = value.map(f64::from);
+                [r, g, b, (r + g + b) / 3.0].into_iter().zip(&mut *sum).for_each(|(value, sum)| *sum += value);
+            }
         }
     }
     sums
-}
-
-impl Pixel {
-    /// Adds the `n`th value, `share` being 1 / `n` (Terriberry's update of central moments).
-    fn add(&mut self, value: [f32; 3], n: f64, share: f64) {
-        if !finite(&value) || self.bad {
-            self.bad = true;
-            return;
-        }
-        let grey = |values: [f64; 3]| (values[0] + values[1] + values[2]) * (1.0 / 3.0);
-        let off = grey(value.map(f64::from)) - grey(self.mean);
-        self.squares[3] += (off * off * (n - 1.0) * share) as f32;
-        for (c, value) in value.into_iter().enumerate() {
-            let off = f64::from(value) - self.mean[c];
-            let step = off * share;
-            let square = off * step * (n - 1.0);
-            let squares = f64::from(self.squares[c]);
-            self.cubes[c] += (square * step * (n - 2.0) - 3.0 * step * squares) as f32;
-            self.squares[c] = (squares + square) as f32;
-            self.mean[c] += step;
-            self.largest[c] = self.largest[c].max(value);
-        }
-    }
 }
 
 #[cfg(test)]

@@ -18,6 +18,8 @@ mod words;
 
 use serde::{Deserialize, Serialize};
 
+use rayon::prelude::*;
+
 use super::moments::Moments;
 use super::{CompareError, Images};
 pub use kept::{Kept, MeanError, error_of, judge_kept, mean_error};
@@ -470,7 +472,7 @@ fn fourth_around(at: usize, grid: usize, value: &impl Fn(usize) -> f64) -> f64 {
 fn mask(a: &Moments, b: &Moments) -> Vec<bool> {
     let bad = |at: usize| a.is_bad(at) || b.is_bad(at);
     let light = |at: usize| (!bad(at)).then(|| a.mean(at).iter().sum::<f64>());
-    let all: Vec<Option<f64>> = (0..a.width * a.height).map(light).collect();
+    let all: Vec<Option<f64>> = (0..a.width * a.height).into_par_iter().map(light).collect();
     glare(&all, a.width).into_iter().enumerate().map(|(at, glare)| glare || bad(at)).collect()
 }
 

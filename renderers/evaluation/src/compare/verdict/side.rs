@@ -3,7 +3,12 @@
 //! All that a cell needs is a sum over its pixels, or a largest value, so the tiles of the finest grid are gathered once, and coarser
 //! cells are put together from them.
 
-use super::super::moments::{FINE, Moments, PARTS, TileSums, tile_of};
+use std::ops::Range;
+
+use ltsc_render::image::Image;
+use rayon::prelude::*;
+
+use super::super::moments::{FINE, Moments, PARTS, TileSums, starts, tile_of};
 use super::super::{CompareError, Images};
 use super::GRIDS;
 
@@ -89,21 +94,44 @@ pub(super) struct Noise {
     pub together: bool,
 }
 
-/// The tile of each pixel.
-fn tiles_of(moments: &Moments) -> Vec<usize> {
-    let (columns, rows) = (tile_of(moments.width), tile_of(moments.height));
-    rows.iter().flat_map(|row| columns.iter().map(move |column| row * FINE + column)).collect()
+/// Gives each tile the pixels that lie in it, row by row, the rows of tiles side by side.
+fn by_tiles<T: Send>((width, height): (usize, usize), of: impl Fn(Range<usize>, &mut T) + Sync, tiles: &mut [T]) {
+    let rows = tile_of(height);
+    tiles.par_chunks_mut(FINE).enumerate().for_each(|(row, tiles)| {
+        for y in (0..height).filter(|y| rows[*y] == row) {
+            for (column, tile) in tiles.iter_mut().enumerate() {
+                let from = y * width;
+                of(from + starts(width, column)..from + starts(width, column + 1), tile);
+            }
+        }
+    });
 }
 
 /// The sums of each tile.
 fn sums_of(moments: &Moments, mask: &[bool]) -> Vec<Sums> {
     let mut tiles = vec![Sums::default(); FINE * FINE];
-    for (at, tile) in tiles_of(moments).into_iter().enumerate().filter(|(at, _)| !mask[*at]) {
-        let variance = moments.variance(at);
-        let (cubes, event) = moments.extremes(at);
-        let squares = [0, 1, 2].map(|c: usize| variance[c] * variance[c]);
-        tiles[tile].add(&Sums { pixels: 1.0, mean: moments.mean(at), variance, squares, cubes, event });
-    }
+    let row = |pixels: Range<usize>, tile: &mut Sums| {
+        for at in pixels.filter(|at| !mask[*at]) {
+            let variance = moments.variance(at);
+            let (cubes, event) = moments.extremes(at);
+            let squares = [0, 1, 2].map(|c: usize| variance[c] * variance[c]);
+            tile.add(&Sums { pixels: 1.0, mean: moments.mean(at), variance, squares, cubes, event });
+        }
+    };
+    by_tiles((moments.width, moments.height), row, &mut tiles);
+    tiles
+}
+
+/// Of an image the sums over the tiles, without what is left out.
+fn tiles_without(image: &Image, mask: &[bool]) -> TileSums {
+    let mut tiles = [[0.0; PARTS]; FINE * FINE];
+    let row = |pixels: Range<usize>, tile: &mut [f64; PARTS]| {
+        for at in pixels.filter(|at| !mask[*at]) {
+            let [r, g, b] = image.pixels[at].map(f64::from);
+            [r, g, b, (r + g + b) / 3.0].into_iter().zip(&mut *tile).for_each(|(value, sum)| *sum += value);
+        }
+    };
+    by_tiles((image.width, image.height), row, &mut tiles);
     tiles
 }
 
@@ -117,16 +145,8 @@ impl Side {
         if count > 1 && !mask.contains(&true) {
             sums = moments.tiles().to_vec();
         } else if count > 1 {
-            let tile = tiles_of(moments);
             for at in 0..count {
-                let image = images.get(at)?;
-                let mut of = [[0.0; PARTS]; FINE * FINE];
-                for at in (0..mask.len()).filter(|at| !mask[*at]) {
-                    let [r, g, b] = image.pixels[at].map(f64::from);
-                    let sum = &mut of[tile[at]];
-                    [r, g, b, (r + g + b) / 3.0].into_iter().zip(sum).for_each(|(value, sum)| *sum += value);
-                }
-                sums.push(of);
+                sums.push(tiles_without(images.get(at)?.as_ref(), mask));
             }
         }
         Ok(Self { tiles, images: sums, known: None, count: count as f64, samples })
@@ -228,8 +248,6 @@ fn quantile95(freedom: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use ltsc_render::image::Image;
-
     use super::*;
 
     #[test]
