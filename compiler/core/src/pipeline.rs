@@ -10,6 +10,7 @@ use crate::files::{Bytes, Files, Sink, VPath};
 use crate::fix;
 use crate::formats::statements::{self, Statements};
 use crate::formats::{self, Choices, Emission, Target};
+use crate::import::{self, Imported, Importer};
 use crate::ir::{Camera, Handle, Scene, Scenes};
 use crate::ledger::{self, Ledger};
 use crate::lint::{self, Around, Levels, UnusedName};
@@ -60,7 +61,6 @@ impl Checked {
 
 /// Formats of scenes and meshes that are not ltsc's own: how their files' names end, and what they hold.
 const FOREIGN: &[(&str, &str)] = &[
-    ("xml", "a scene of Mitsuba"),
     ("pbrt", "a scene of PBRT"),
     ("scn", "a scene of LuxCore"),
     ("cfg", "a configuration of LuxCore"),
@@ -123,6 +123,9 @@ pub fn fault(path: &VPath, problem: &str) -> Checked {
 
 /// Reads, evaluates and lints the file at `path`; texts that were read are added to `sources`.
 pub fn check(files: &dyn Files, sources: &mut Sources, path: &VPath, options: &Options) -> Checked {
+    if let Some(importer) = import::find(path) {
+        return imported(importer, files, sources, path, options);
+    }
     if let Some(finding) = foreign(path) {
         return Checked { findings: vec![finding], ..Checked::default() };
     }
@@ -141,6 +144,23 @@ pub fn check(files: &dyn Files, sources: &mut Sources, path: &VPath, options: &O
     findings.sort_by_key(|finding| finding.origin.span());
     fix::propose(&mut findings, sources);
     Checked { scene, findings, library, inputs, parameters }
+}
+
+/// Reads and lints a scene of another program. `--set` gives its parameters values.
+fn imported(importer: &Importer, files: &dyn Files, sources: &mut Sources, path: &VPath, options: &Options) -> Checked {
+    let defines = options.overrides.set.iter().cloned().collect();
+    let reading = import::Options { defines, limits: options.overrides.limits };
+    let Imported { scene, mut findings, inputs } = import::import(importer, files, sources, path, &reading);
+    let scene = scene.map(|mut scene| {
+        options.overrides.apply(&mut scene);
+        scene
+    });
+    let around = Around { scenes: options.scenes.clone(), unused: Vec::new(), lengthened: Vec::new() };
+    let linted = scene.as_ref().map(|scene| lint::lint(scene, &around, &options.levels, &options.targets));
+    options.levels.judge(&mut findings);
+    findings.extend(linted.unwrap_or_default());
+    findings.sort_by_key(|finding| finding.origin.span());
+    Checked { scene, findings, inputs, ..Checked::default() }
 }
 
 /// Gives findings that an `allow` covers the severity [`Severity::Allow`]; says which suppressions are unknown or unused.

@@ -42,7 +42,7 @@ impl Texture {
 }
 
 /// How the numbers of an image become linear.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Encoding {
     /// By the sRGB curve (IEC 61966-2-1); not for floats.
     Srgb,

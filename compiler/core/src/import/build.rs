@@ -1,0 +1,450 @@
+//! The Scene in the making: arenas, names that are not used twice, files that are read once.
+
+use std::collections::{HashMap, HashSet};
+
+use super::reader::{Fate, Reader};
+use crate::diag::{Finding, Origin, Severity};
+use crate::files::VPath;
+use crate::image::{self, Loaded, Loss, Pixels};
+use crate::ir::{
+    Affine, Arena, Bsdf, Camera, Color, Documentation, Emission, Encoding, Film, Filter, Group, Handle, Instance,
+    Integrator, LightKind, LightSource, Material, Mesh, Places, Sampler, Scene, Shape, Texture,
+};
+use crate::mesh::{self, Geometry, file as mesh_file};
+
+/// How the normals of a mesh from a file come about.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Shading {
+    /// Those of the file; none where it has none.
+    Given,
+    /// Those of the file, else smooth ones, weighted by the angles of the faces.
+    Smooth,
+    /// None: flat faces.
+    Flat,
+}
+
+/// A mesh in a file.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Wanted {
+    /// The file.
+    pub path: VPath,
+    /// Its normals.
+    pub shading: Shading,
+    /// Whether its front is its back.
+    pub flipped: bool,
+    /// Whether the file's v grows downwards in images.
+    pub down: bool,
+}
+
+/// The limits of the Scene itself, whatever the user allows.
+const NAMED: usize = 1 << 20;
+
+/// A scene in the making.
+#[derive(Default)]
+pub struct Builder {
+    meshes: Arena<Mesh>,
+    textures: Arena<Texture>,
+    materials: Arena<Material>,
+    shapes: Arena<Shape>,
+    lights: Arena<LightSource>,
+    groups: Arena<Group>,
+    instances: Arena<Instance>,
+    cameras: Arena<Camera>,
+    known_meshes: HashMap<Wanted, Option<(Handle<Mesh>, bool)>>,
+    known_textures: HashMap<(VPath, Option<Encoding>, [u64; 3]), Option<Handle<Texture>>>,
+    equal_materials: HashMap<String, Handle<Material>>,
+    names: HashSet<String>,
+    /// How often a name was asked for, so that a thousand equal ones are not tried a thousand times each.
+    asked: HashMap<String, u64>,
+    triangles: u64,
+    /// Shapes and instances.
+    placed: u64,
+}
+
+/// What a scene is rendered by.
+pub struct Settings {
+    /// Resolution and filter.
+    pub film: Film,
+    /// Algorithm.
+    pub integrator: Integrator,
+    /// Sampling.
+    pub sampler: Sampler,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self {
+            film: Film { width: 512, height: 512, filter: Filter::Box { radius: 0.5 } },
+            integrator: Integrator::Path { max_depth: 10 },
+            sampler: Sampler::Independent { samples: 32, seed: 0 },
+        }
+    }
+}
+
+impl Builder {
+    /// A name that nothing else has, near the one that is wished for.
+    pub fn unique(&mut self, wish: &str) -> String {
+        let wish: String = wish.chars().filter(|c| !c.is_control()).take(200).collect();
+        let wish = if wish.trim().is_empty() { "unnamed".to_owned() } else { wish };
+        if self.names.insert(wish.clone()) {
+            return wish;
+        }
+        let asked = self.asked.entry(wish.clone()).or_insert(1);
+        loop {
+            *asked += 1;
+            let name = format!("{wish}_{asked}");
+            if self.names.insert(name.clone()) {
+                return name;
+            }
+        }
+    }
+
+    /// A mesh from a file, read once for each way in which it is wanted, and whether the file has normals.
+    pub fn mesh_file(&mut self, reader: &mut Reader<'_>, wanted: &Wanted, at: &Origin) -> Option<(Handle<Mesh>, bool)> {
+        if let Some(known) = self.known_meshes.get(wanted) {
+            return *known;
+        }
+        let made = read_mesh(reader, wanted, at);
+        let handle = made
+            .map(|(geometry, normals)| (self.meshes.push(geometry.into_mesh(wanted.path.stem()), at.clone()), normals));
+        self.known_meshes.insert(wanted.clone(), handle);
+        handle
+    }
+
+    /// A mesh that the file describes itself; none where its arrays do not belong together, it has no triangle, or all meshes together
+    /// have more than is allowed, each of which is a finding.
+    pub fn mesh(
+        &mut self,
+        reader: &mut Reader<'_>,
+        name: &str,
+        geometry: Geometry,
+        at: &Origin,
+    ) -> Option<Handle<Mesh>> {
+        self.triangles += geometry.triangles.len() as u64;
+        if self.triangles > reader.limits().triangles {
+            let most = reader.limits().triangles;
+            let message = format!("the meshes have more than {most} triangles together");
+            reader.lost_with(Fate::Dropped, at.clone(), message, "`--limit triangles=N` allows more");
+            return None;
+        }
+        let fault = match geometry.check() {
+            Ok(()) if geometry.triangles.is_empty() => Some("it has no triangle".to_owned()),
+            Ok(()) => None,
+            Err(error) => Some(error.message),
+        };
+        if let Some(fault) = fault {
+            reader.lost(Fate::Dropped, at.clone(), format!("the mesh `{name}` is left out: {fault}"));
+            return None;
+        }
+        Some(self.meshes.push(geometry.into_mesh(name), at.clone()))
+    }
+
+    /// Another form of a mesh that is there.
+    pub fn changed(&mut self, mesh: Handle<Mesh>, change: impl FnOnce(Geometry) -> Geometry) -> Handle<Mesh> {
+        let (name, origin) = (self.meshes[mesh].name.clone(), self.meshes.origin(mesh).clone());
+        let geometry = change(Geometry::from_mesh(&self.meshes[mesh]));
+        self.meshes.push(geometry.into_mesh(name), origin)
+    }
+
+    /// A mesh.
+    pub fn mesh_of(&self, mesh: Handle<Mesh>) -> &Mesh {
+        &self.meshes[mesh]
+    }
+
+    /// An image file; none where it cannot be read, which is a finding. `factor` lies between 0 and 1.
+    pub fn texture(
+        &mut self,
+        reader: &mut Reader<'_>,
+        path: &VPath,
+        encoding: Option<Encoding>,
+        factor: [f64; 3],
+        at: &Origin,
+    ) -> Option<Handle<Texture>> {
+        let key = (path.clone(), encoding, factor.map(f64::to_bits));
+        if let Some(known) = self.known_textures.get(&key) {
+            return *known;
+        }
+        let made = read_texture(reader, path, encoding, factor, at);
+        let handle = made.map(|texture| self.textures.push(texture, at.clone()));
+        self.known_textures.insert(key, handle);
+        handle
+    }
+
+    /// Squares of two colors, two by two for each step of the texture coordinates: the first of `colors` at the left of the first row.
+    pub fn checkerboard(
+        &mut self,
+        reader: &mut Reader<'_>,
+        colors: [[f64; 3]; 2],
+        at: &Origin,
+    ) -> Option<Handle<Texture>> {
+        const SIDE: usize = 256;
+        let color = |at: usize| colors[usize::from((at % SIDE < SIDE / 2) != (at / SIDE < SIDE / 2))];
+        let values = (0..SIDE * SIDE).flat_map(color).map(|value| value as f32).collect();
+        let pixels = Pixels { width: SIDE, height: SIDE, channels: 3, values };
+        let bytes = image::write::png(&pixels, 16).ok()?;
+        let Loaded { info, file, peak, remarks: _ } = image::load("png", &bytes, u64::MAX).ok()?;
+        let message =
+            format!("a checkerboard becomes an image of {SIDE} x {SIDE} pixels: its edges are as wide as one of them");
+        reader.lost(Fate::Approximated, at.clone(), message);
+        let name = "checkerboard".to_owned();
+        let texture = Texture { name, file, image: info, encoding: Encoding::Linear, peak, factor: [1.0; 3] };
+        Some(self.textures.push(texture, at.clone()))
+    }
+
+    /// The mean of an image's linear pixels.
+    pub fn mean(&self, texture: Handle<Texture>) -> Option<[f64; 3]> {
+        let texture = &self.textures[texture];
+        let pixels = image::linear(texture).ok()?;
+        let mut sum = [0.0; 3];
+        let count = pixels.width * pixels.height;
+        for at in 0..count {
+            let color = pixels.at(at % pixels.width, at / pixels.width);
+            (0..3).for_each(|c| sum[c] += f64::from(color[c]) * texture.factor[c]);
+        }
+        Some(sum.map(|sum| sum / count.max(1) as f64))
+    }
+
+    /// A texture.
+    pub fn texture_of(&self, texture: Handle<Texture>) -> &Texture {
+        &self.textures[texture]
+    }
+
+    /// A material, once for each name and meaning.
+    pub fn material(&mut self, name: &str, bsdf: Bsdf, at: &Origin) -> Handle<Material> {
+        let made = Material { name: name.to_owned(), bsdf };
+        let materials = &mut self.materials;
+        *self.equal_materials.entry(format!("{made:?}")).or_insert_with(|| materials.push(made, at.clone()))
+    }
+
+    /// A shape of the scene; its name is made unique.
+    pub fn shape(&mut self, reader: &mut Reader<'_>, shape: Shape, at: &Origin) {
+        if let Some(shape) = self.placed(reader, shape, at) {
+            self.shapes.push(shape, at.clone());
+        }
+    }
+
+    /// A shape of a group.
+    pub fn shape_in(&mut self, reader: &mut Reader<'_>, group: &mut Arena<Shape>, shape: Shape, at: &Origin) {
+        if let Some(shape) = self.placed(reader, shape, at) {
+            group.push(shape, at.clone());
+        }
+    }
+
+    /// What can be placed: not what a transform makes flat, or too many.
+    fn placed(&mut self, reader: &mut Reader<'_>, shape: Shape, at: &Origin) -> Option<Shape> {
+        self.placed += 1;
+        if self.placed > reader.limits().instances {
+            let most = reader.limits().instances;
+            let message = format!("there are more than {most} shapes");
+            reader.lost_with(Fate::Dropped, at.clone(), message, "`--limit instances=N` allows more");
+            return None;
+        }
+        if !shape.transform.is_invertible() {
+            reader.lost(Fate::Dropped, at.clone(), "a shape is left out: its transform has no inverse");
+            return None;
+        }
+        let name = self.unique(&shape.name);
+        Some(Shape { name, ..shape })
+    }
+
+    /// A group.
+    pub fn group(&mut self, name: &str, shapes: Arena<Shape>, at: &Origin) -> Handle<Group> {
+        let group = Group { name: name.to_owned(), shapes, instances: Arena::default() };
+        self.groups.push(group, at.clone())
+    }
+
+    /// A group at its place.
+    pub fn instance(&mut self, reader: &mut Reader<'_>, name: &str, group: Handle<Group>, place: Affine, at: &Origin) {
+        self.placed += self.groups[group].shapes.len().max(1) as u64;
+        if self.placed > reader.limits().instances {
+            let most = reader.limits().instances;
+            let message = format!("there are more than {most} shapes");
+            reader.lost_with(Fate::Dropped, at.clone(), message, "`--limit instances=N` allows more");
+        } else if place.is_invertible() {
+            let name = self.unique(name);
+            self.instances.push(Instance { name, group, places: Places::One(place) }, at.clone());
+        } else {
+            reader.lost(Fate::Dropped, at.clone(), "an instance is left out: its transform has no inverse");
+        }
+    }
+
+    /// The number of shapes of a group.
+    pub fn shapes_of(&self, group: Handle<Group>) -> usize {
+        self.groups[group].shapes.len()
+    }
+
+    /// A light; a second environment is left out with a finding.
+    pub fn light(&mut self, reader: &mut Reader<'_>, name: &str, kind: LightKind, at: &Origin) {
+        let sky = |kind: &LightKind| matches!(kind, LightKind::Environment { radiance: _, tint: _, turn: _ });
+        if sky(&kind) && self.lights.values().any(|light| sky(&light.kind)) {
+            reader.lost(Fate::Dropped, at.clone(), "a second environment is left out: a scene has one");
+            return;
+        }
+        let name = self.unique(name);
+        self.lights.push(LightSource { name, kind }, at.clone());
+    }
+
+    /// A camera.
+    pub fn camera(&mut self, camera: Camera, at: &Origin) {
+        self.cameras.push(camera, at.clone());
+    }
+
+    /// A camera that sees all that is there, for a file without one: along y, from in front of everything.
+    pub fn stand_back(&mut self, at: Origin) {
+        let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+        let mut meet = |mesh: &Mesh, map: &Affine| {
+            for position in mesh.positions.iter() {
+                let place = map.point(position.map(f64::from));
+                (0..3).for_each(|axis| {
+                    low[axis] = low[axis].min(place[axis]);
+                    high[axis] = high[axis].max(place[axis]);
+                });
+            }
+        };
+        for shape in self.shapes.values() {
+            meet(&self.meshes[shape.mesh], &shape.transform);
+        }
+        for instance in self.instances.values() {
+            for place in instance.places.maps() {
+                for shape in self.groups[instance.group].shapes.values() {
+                    meet(&self.meshes[shape.mesh], &shape.transform.then(place));
+                }
+            }
+        }
+        if !low.iter().chain(&high).all(|x| x.is_finite()) {
+            (low, high) = ([-1.0; 3], [1.0; 3]);
+        }
+        let middle = [0, 1, 2].map(|axis: usize| f64::midpoint(low[axis], high[axis]));
+        let size = (0..3).map(|axis| high[axis] - low[axis]).fold(1e-6, f64::max);
+        let eye = [middle[0], middle[1] - 2.0 * size, middle[2]];
+        let up = [0.0, 0.0, 1.0];
+        self.camera(Camera { name: None, eye, target: middle, up, fov_x: 45.0, near: None, far: None }, &at);
+    }
+
+    /// The cameras so far.
+    pub fn cameras(&self) -> usize {
+        self.cameras.len()
+    }
+
+    /// The emission that a color is; none for black.
+    pub fn emission(radiance: Color) -> Option<Emission> {
+        (!radiance.is_black()).then_some(Emission { radiance })
+    }
+
+    /// The scene.
+    pub fn finish(self, name: String, origin: Origin, settings: Settings) -> Scene {
+        let mut cameras = self.cameras;
+        // The only camera has no name, several have different ones.
+        let several = cameras.len() > 1;
+        let mut taken = HashSet::new();
+        for (at, (_, camera)) in cameras.iter_mut().enumerate() {
+            let wish = camera.name.take().filter(|name| !name.is_empty()).unwrap_or_else(|| format!("camera_{at}"));
+            let mut name = wish.clone();
+            let mut more = 1;
+            while several && !taken.insert(name.clone()) && more < NAMED {
+                more += 1;
+                name = format!("{wish}_{more}");
+            }
+            camera.name = several.then_some(name);
+        }
+        Scene {
+            name,
+            origin,
+            documentation: Documentation::default(),
+            meshes: self.meshes,
+            textures: self.textures,
+            materials: self.materials,
+            shapes: self.shapes,
+            lights: self.lights,
+            groups: self.groups,
+            instances: self.instances,
+            cameras,
+            film: settings.film,
+            integrator: settings.integrator,
+            sampler: settings.sampler,
+        }
+    }
+}
+
+fn read_mesh(reader: &mut Reader<'_>, wanted: &Wanted, at: &Origin) -> Option<(Geometry, bool)> {
+    let path = &wanted.path;
+    let bytes = match reader.bytes(path) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            reader.lost(Fate::Dropped, at.clone(), format!("a mesh is left out: `{path}` cannot be read: {error}"));
+            return None;
+        }
+    };
+    let read = mesh_file::read(&path.extension(), &bytes, None, &mut mesh_file::alone);
+    let (mut geometry, notes) = match read {
+        Ok(read) => read,
+        Err(error) => {
+            reader.lost(Fate::Dropped, at.clone(), format!("a mesh is left out: `{path}`: {error}"));
+            return None;
+        }
+    };
+    for note in notes {
+        let place = if note.place.is_empty() { String::new() } else { format!(", {}", note.place) };
+        let message = format!("`{path}`{place}: {}", note.message);
+        reader.add(Finding::new(note.fate.code(), note.severity, at.clone(), message).maybe_help(note.help));
+    }
+    let normals = geometry.normals.is_some();
+    match wanted.shading {
+        Shading::Given => {}
+        Shading::Flat => geometry.normals = None,
+        Shading::Smooth if normals => {}
+        Shading::Smooth => match mesh::smooth(geometry, 180.0) {
+            Ok((smooth, _)) => geometry = smooth,
+            Err(error) => {
+                reader.lost(Fate::Dropped, at.clone(), format!("a mesh is left out: `{path}`: {}", error.message));
+                return None;
+            }
+        },
+    }
+    if wanted.down {
+        for uv in geometry.uvs.iter_mut().flatten() {
+            uv[1] = 1.0 - uv[1];
+        }
+    }
+    if geometry.triangles.is_empty() {
+        reader.lost(Fate::Dropped, at.clone(), format!("a mesh is left out: `{path}` has no triangle with an area"));
+        return None;
+    }
+    Some((if wanted.flipped { mesh::flip(geometry) } else { geometry }, normals))
+}
+
+fn read_texture(
+    reader: &mut Reader<'_>,
+    path: &VPath,
+    encoding: Option<Encoding>,
+    factor: [f64; 3],
+    at: &Origin,
+) -> Option<Texture> {
+    let bytes = match reader.bytes(path) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            reader.lost(Fate::Dropped, at.clone(), format!("an image is left out: `{path}` cannot be read: {error}"));
+            return None;
+        }
+    };
+    let Loaded { info, file, peak, remarks } = match image::load(&path.extension(), &bytes, reader.limits().pixels) {
+        Ok(loaded) => loaded,
+        Err(error) => {
+            let message = format!("an image is left out: `{path}` {}", error.message);
+            reader.lost_with(Fate::Dropped, at.clone(), message, error.help.unwrap_or_default());
+            return None;
+        }
+    };
+    for remark in remarks {
+        let id = match remark.loss {
+            Loss::Baked => "loss-baked",
+            Loss::Approximated => "loss-approximated",
+            Loss::Dropped => "loss-dropped",
+        };
+        let message = format!("`{path}` {}", remark.message);
+        reader.add(Finding::new(id, Severity::Warn, at.clone(), message));
+    }
+    let encoding = if info.format.is_float() { Encoding::Linear } else { encoding.unwrap_or(Encoding::Srgb) };
+    let peak = if encoding == Encoding::Srgb { image::decoded(peak) } else { peak };
+    Some(Texture { name: path.stem().to_owned(), file, image: info, encoding, peak, factor })
+}

@@ -1,0 +1,117 @@
+//! Colors: `rgb`, `srgb`, `spectrum`, `blackbody`.
+
+use super::plugin::{number, numbers};
+use super::tree::Element;
+use crate::image;
+use crate::import::reader::{Fate, Reader};
+use crate::ir::{Color, Meaning, Spectrum};
+
+/// What a color is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Use {
+    /// A share of light: from 0 to 1, what lies outside is cut with a finding.
+    Share,
+    /// Radiance, intensity, irradiance: not below 0.
+    Light,
+    /// An index of refraction or extinction: not below 0.
+    Index,
+}
+
+impl Use {
+    fn meaning(self) -> Meaning {
+        match self {
+            Self::Share => Meaning::Share,
+            Self::Light => Meaning::Light,
+            Self::Index => Meaning::Index,
+        }
+    }
+}
+
+/// The color that an element says; what is wrong, in words.
+pub fn read(element: &Element, use_of: Use, reader: &mut Reader<'_>) -> Result<Color, String> {
+    let value = element.word("value").trim();
+    let color = match element.tag.as_str() {
+        "rgb" | "color" => triple(value)?,
+        "srgb" => match triple(value)? {
+            Color::Grey(grey) => Color::Grey(image::decoded(grey)),
+            Color::Rgb(rgb) => Color::Rgb(rgb.map(image::decoded)),
+            Color::Spectrum(spectrum) => Color::Spectrum(spectrum),
+        },
+        "spectrum" if value.contains(':') => Color::Spectrum(Spectrum::new(&points(value)?, use_of.meaning())),
+        "spectrum" if element.get("filename").is_some() => return Err("spectra in files are not read yet".to_owned()),
+        "spectrum" | "float" | "integer" => triple(value)?,
+        "blackbody" => black_body(element)?,
+        other => return Err(format!("`{other}` is no color")),
+    };
+    Ok(cut(color, use_of, element, reader))
+}
+
+/// One number, three, or `#rrggbb` by the sRGB curve.
+fn triple(text: &str) -> Result<Color, String> {
+    if let Some(hex) = text.strip_prefix('#') {
+        let byte = |at: usize| hex.get(at..at + 2).and_then(|two| u8::from_str_radix(two, 16).ok());
+        return match (byte(0), byte(2), byte(4), hex.len()) {
+            (Some(r), Some(g), Some(b), 6) => {
+                Ok(Color::Rgb([r, g, b].map(|value| image::decoded(f64::from(value) / 255.0))))
+            }
+            _ => Err("it is no `#rrggbb`".to_owned()),
+        };
+    }
+    match numbers(text).as_deref() {
+        Some([grey]) => Ok(Color::Grey(*grey)),
+        Some([r, g, b]) if r == g && g == b => Ok(Color::Grey(*r)),
+        Some([r, g, b]) => Ok(Color::Rgb([*r, *g, *b])),
+        _ => Err("it is neither one finite number nor three".to_owned()),
+    }
+}
+
+/// `400:0.5, 500:0.7`; wavelengths grow.
+fn points(text: &str) -> Result<Vec<(f64, f64)>, String> {
+    let pairs = text.split(|c: char| c.is_whitespace() || c == ',').filter(|word| !word.is_empty());
+    let pair = |word: &str| {
+        let (wavelength, value) = word.split_once(':')?;
+        number(wavelength).zip(number(value))
+    };
+    let points: Vec<(f64, f64)> =
+        pairs.map(pair).collect::<Option<_>>().ok_or("its points are not `WAVELENGTH:VALUE`")?;
+    let grows = points.windows(2).all(|two| two[0].0 < two[1].0);
+    if points.is_empty() || !grows || points[0].0 <= 0.0 {
+        return Err("its wavelengths do not grow".to_owned());
+    }
+    Ok(points)
+}
+
+/// Planck's law in W/(m2 sr nm), as Mitsuba has it (`BlackBodySpectrum` of 0.6): constants of CODATA 2018.
+fn black_body(element: &Element) -> Result<Color, String> {
+    let written = element.word("temperature").trim().trim_end_matches(['K', 'k']);
+    let kelvin = number(written).filter(|kelvin| (100.0..=1e6).contains(kelvin));
+    let kelvin = kelvin.ok_or("its `temperature` is not between 100 and 1e6 kelvin")?;
+    let scale = element.get("scale").map_or(Some(1.0), number).ok_or("its `scale` is no number")?;
+    let radiance = |nanometers: f64| {
+        let length = nanometers * 1e-9;
+        let exponent = 1.438_776_877e-2 / (length * kelvin);
+        scale * 1e-9 * 1.191_042_972e-16 / (length.powi(5) * libm::expm1(exponent))
+    };
+    let points: Vec<(f64, f64)> =
+        (0..=47).map(|at| 360.0 + 10.0 * f64::from(at)).map(|at| (at, radiance(at))).collect();
+    Ok(Color::Spectrum(Spectrum::new(&points, Meaning::Light)))
+}
+
+/// What lies outside of what a color of this use can be.
+fn cut(color: Color, use_of: Use, element: &Element, reader: &mut Reader<'_>) -> Color {
+    let most = if use_of == Use::Share { 1.0 } else { f64::INFINITY };
+    if color.min() >= 0.0 && color.max() <= most {
+        return color;
+    }
+    let what = if use_of == Use::Share { "a share of light beyond 0 to 1 is cut" } else { "a color below 0 is cut" };
+    reader.lost(Fate::Approximated, element.span, what);
+    match color {
+        Color::Grey(grey) => Color::Grey(grey.clamp(0.0, most)),
+        Color::Rgb(rgb) => Color::Rgb(rgb.map(|channel| channel.clamp(0.0, most))),
+        Color::Spectrum(spectrum) => {
+            let points: Vec<(f64, f64)> =
+                spectrum.points().iter().map(|(at, value)| (*at, value.clamp(0.0, most))).collect();
+            Color::Spectrum(Spectrum::new(&points, use_of.meaning()))
+        }
+    }
+}

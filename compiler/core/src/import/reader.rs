@@ -1,0 +1,134 @@
+//! What an importer reads from, and where its findings go.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::Options;
+use crate::diag::{FileId, Finding, Origin, Severity, Sources};
+use crate::eval::Limits;
+use crate::files::{Bytes, Files, VPath};
+
+/// What became of something in a file that the Scene does not hold as it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fate {
+    /// Left out, which changes the image.
+    Dropped,
+    /// Read as something that is near it.
+    Approximated,
+    /// Read as something else with the same image.
+    Baked,
+    /// Left out, which changes noise or time, not what is rendered.
+    Noise,
+}
+
+impl Fate {
+    fn code(self) -> &'static str {
+        match self {
+            Self::Dropped => "loss-dropped",
+            Self::Approximated => "loss-approximated",
+            Self::Baked | Self::Noise => "loss-baked",
+        }
+    }
+
+    fn severity(self) -> Severity {
+        match self {
+            Self::Dropped | Self::Approximated => Severity::Warn,
+            Self::Baked | Self::Noise => Severity::Info,
+        }
+    }
+}
+
+/// The files around a scene, and what is found in them.
+pub struct Reader<'f> {
+    files: &'f dyn Files,
+    /// The texts that were read.
+    pub sources: &'f mut Sources,
+    /// What the user has said.
+    pub options: &'f Options,
+    inputs: BTreeMap<VPath, Bytes>,
+    findings: Vec<Finding>,
+    /// What was said already, by code and message: the finding, and in how many more places.
+    said: HashMap<(&'static str, String), (usize, usize)>,
+}
+
+impl<'f> Reader<'f> {
+    pub(super) fn new(files: &'f dyn Files, sources: &'f mut Sources, options: &'f Options) -> Self {
+        Self { files, sources, options, inputs: BTreeMap::new(), findings: Vec::new(), said: HashMap::new() }
+    }
+
+    /// How large things may be.
+    pub fn limits(&self) -> &'f Limits {
+        &self.options.limits
+    }
+
+    /// The bytes of a file, read once; what is wrong, in words.
+    ///
+    /// # Errors
+    /// If it is not there, cannot be read or is too large.
+    pub fn bytes(&mut self, path: &VPath) -> Result<Bytes, String> {
+        if let Some(bytes) = self.inputs.get(path) {
+            return Ok(bytes.clone());
+        }
+        let bytes = self.files.read(path, self.limits().file).map_err(|error| error.to_string())?;
+        self.inputs.insert(path.clone(), bytes.clone());
+        Ok(bytes)
+    }
+
+    /// A file as a text, which then is among the sources; what is wrong, in words.
+    ///
+    /// # Errors
+    /// As of [`Self::bytes`], and if it is no UTF-8 or longer than places in a text can say.
+    pub fn text(&mut self, path: &VPath) -> Result<FileId, String> {
+        if let Some(file) = self.sources.find(path.as_str()) {
+            return Ok(file);
+        }
+        let bytes = self.bytes(path)?;
+        if bytes.len() as u64 > self.limits().text.min(u64::from(u32::MAX)) {
+            return Err(format!("it has more than {} bytes (`--limit text=N` allows more)", self.limits().text));
+        }
+        let plain = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+        let text = match std::str::from_utf8(plain) {
+            Ok(text) => text.to_owned(),
+            // Old files have the names of their authors in Latin-1, in comments.
+            Err(_) => plain.iter().map(|byte| char::from(*byte)).collect(),
+        };
+        Ok(self.sources.add(path.as_str(), text))
+    }
+
+    /// Says what became of something at a place. What is said of many places is said once, with their number.
+    pub fn lost(&mut self, fate: Fate, at: impl Into<Origin>, message: impl Into<String>) {
+        self.lost_with(fate, at, message, "");
+    }
+
+    /// The same with advice.
+    pub fn lost_with(&mut self, fate: Fate, at: impl Into<Origin>, message: impl Into<String>, help: &str) {
+        let message = message.into();
+        let key = (fate.code(), message);
+        if let Some((_, more)) = self.said.get_mut(&key) {
+            *more += 1;
+            return;
+        }
+        let finding = Finding::new(fate.code(), fate.severity(), at, key.1.clone());
+        let finding = if help.is_empty() { finding } else { finding.help(help) };
+        self.said.insert(key, (self.findings.len(), 0));
+        self.findings.push(finding);
+    }
+
+    /// Says what is wrong with the file, so that there is no scene.
+    pub fn error(&mut self, id: &'static str, at: impl Into<Origin>, message: impl Into<String>) {
+        self.findings.push(Finding::error(id, at, message));
+    }
+
+    /// Adds a finding.
+    pub fn add(&mut self, finding: Finding) {
+        self.findings.push(finding);
+    }
+
+    pub(super) fn finish(mut self) -> (Vec<Finding>, BTreeMap<VPath, Bytes>) {
+        for (at, more) in self.said.into_values().filter(|(_, more)| *more > 0) {
+            let finding = &mut self.findings[at];
+            let places = if more == 1 { "one more place".to_owned() } else { format!("{more} more places") };
+            finding.notes.push(format!("the same in {places}"));
+        }
+        (self.findings, self.inputs)
+    }
+}
