@@ -182,6 +182,7 @@ pub enum Command {
     #[command(
         after_help = "Examples:\n  ltsc emit scenes-src/ring.lts --target pbrt\n  ltsc emit ring.lts --target glb -o /tmp/ring --width 128 --height 128\n  ltsc emit ring.lts --target glb --option glb.instancing\n  ltsc emit --target mitsuba-3"
     )]
+    #[command(visible_alias = "convert")]
     Emit(Emit),
     /// Check generated files against the scene: light, materials, camera, depth, size.
     ///

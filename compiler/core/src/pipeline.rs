@@ -158,7 +158,13 @@ fn imported(importer: &Importer, files: &dyn Files, sources: &mut Sources, path:
     let around = Around { scenes: options.scenes.clone(), unused: Vec::new(), lengthened: Vec::new() };
     let linted = scene.as_ref().map(|scene| lint::lint(scene, &around, &options.levels, &options.targets));
     options.levels.judge(&mut findings);
-    findings.extend(linted.unwrap_or_default());
+    // Nobody has written it for several renderers: what stands in the way of that is told, and refuses nothing unless it is asked to.
+    findings.extend(linted.unwrap_or_default().into_iter().filter_map(|mut finding| {
+        if finding.severity == Severity::Deny && !options.levels.names(finding.id) {
+            finding.severity = Severity::Warn;
+        }
+        (finding.id != "undocumented-scene" || options.levels.names(finding.id)).then_some(finding)
+    }));
     findings.sort_by_key(|finding| finding.origin.span());
     Checked { scene, findings, inputs, ..Checked::default() }
 }

@@ -19,7 +19,7 @@ pub enum Shading {
     Given,
     /// Those of the file, else smooth ones, weighted by the angles of the faces.
     Smooth,
-    /// None: flat faces.
+    /// Those of the faces, which are flat.
     Flat,
 }
 
@@ -28,6 +28,8 @@ pub enum Shading {
 pub struct Wanted {
     /// The file.
     pub path: VPath,
+    /// Which of its meshes.
+    pub part: Option<String>,
     /// Its normals.
     pub shading: Shading,
     /// Whether its front is its back.
@@ -375,7 +377,7 @@ fn read_mesh(reader: &mut Reader<'_>, wanted: &Wanted, at: &Origin) -> Option<(G
             return None;
         }
     };
-    let read = mesh_file::read(&path.extension(), &bytes, None, &mut mesh_file::alone);
+    let read = mesh_file::read(&path.extension(), &bytes, wanted.part.as_deref(), &mut mesh_file::alone);
     let (mut geometry, notes) = match read {
         Ok(read) => read,
         Err(error) => {
@@ -391,7 +393,13 @@ fn read_mesh(reader: &mut Reader<'_>, wanted: &Wanted, at: &Origin) -> Option<(G
     let normals = geometry.normals.is_some();
     match wanted.shading {
         Shading::Given => {}
-        Shading::Flat => geometry.normals = None,
+        Shading::Flat => match mesh::faceted(geometry) {
+            Ok((flat, _)) => geometry = flat,
+            Err(error) => {
+                reader.lost(Fate::Dropped, at.clone(), format!("a mesh is left out: `{path}`: {}", error.message));
+                return None;
+            }
+        },
         Shading::Smooth if normals => {}
         Shading::Smooth => match mesh::smooth(geometry, 180.0) {
             Ok((smooth, _)) => geometry = smooth,

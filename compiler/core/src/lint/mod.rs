@@ -293,6 +293,11 @@ impl Levels {
         Ok(())
     }
 
+    /// Whether someone has chosen the level of this rule.
+    pub fn names(&self, code: &str) -> bool {
+        self.codes.contains_key(code)
+    }
+
     /// The level of `rule`.
     pub fn of(&self, rule: &Rule) -> Level {
         let level = self.codes.get(rule.id).copied().unwrap_or(rule.level);

@@ -43,6 +43,11 @@ pub fn sensor<'e>(
         }
     };
     plugin.pass(&["shutter_open", "shutter_close", "srf"]);
+    for medium in plugin.element.children.iter().filter(|child| matches!(child.tag.as_str(), "ref" | "medium")) {
+        if !medium.used.replace(true) {
+            reader.lost(Fate::Dropped, medium.span, "a medium is left out: light travels through nothing");
+        }
+    }
     plugin.finish(reader);
     if let Some(camera) = camera {
         to.camera(camera, &at);
@@ -143,7 +148,7 @@ fn film(plugin: Plugin<'_>, film: &mut Film, reader: &mut Reader<'_>) {
     // What becomes of the image once it is rendered.
     plugin.pass(&["banner", "pixel_format", "component_format", "file_format", "attach_log", "high_quality_edges"]);
     plugin.pass(&["gamma", "exposure", "tonemap_method", "key", "burn", "sample_border", "compensate", "labels"]);
-    plugin.pass(&["metadata", "write_log", "digits", "variable", "size"]);
+    plugin.pass(&["metadata", "write_log", "digits", "variable", "size", "filename"]);
     film.filter = plugin.inner("rfilter").next().map_or(Filter::Gaussian { stddev: 0.5, radius: 2.0 }, |filter| {
         let read = self::filter(filter, reader);
         filter.finish(reader);

@@ -247,7 +247,7 @@ impl Shapes {
         let kind = plugin.kind();
         let at = Origin::from(plugin.span());
         let made = match kind {
-            "obj" | "ply" | "stl" => {
+            "obj" | "ply" | "stl" | "serialized" => {
                 let path = world.path(plugin, "filename", reader)?;
                 let flat = plugin.boolean("face_normals", reader).unwrap_or(false);
                 let angle = plugin.float("max_smooth_angle", reader);
@@ -264,7 +264,8 @@ impl Shapes {
                 } else {
                     !plugin.boolean("flip_tex_coords", reader).unwrap_or(false)
                 };
-                let mut wanted = Wanted { path, shading, flipped, down };
+                let part = plugin.integer("shape_index", reader).filter(|index| *index > 0).map(|index| index.to_string());
+                let mut wanted = Wanted { path, part, shading, flipped, down };
                 let (mut mesh, normals) = to.mesh_file(reader, &wanted, &at)?;
                 // Under a mirroring transform the front of a mesh without normals of its own is where its corners run the other way.
                 if mirrored && (flat || !normals) {

@@ -1,4 +1,4 @@
-//! Mesh files: PLY, OBJ, STL and glTF, as bytes in memory.
+//! Mesh files: PLY, OBJ, STL, glTF and Mitsuba's serialized ones, as bytes in memory.
 //!
 //! A file may be anything: no input makes a reader panic, and no number in a header makes it allocate more than a small
 //! multiple of the bytes that are there.
@@ -11,6 +11,7 @@ mod note;
 mod obj;
 mod ply;
 mod polygons;
+mod serialized;
 mod stl;
 mod text;
 
@@ -57,13 +58,13 @@ impl fmt::Display for FileError {
 impl std::error::Error for FileError {}
 
 /// The endings of the files that [`read`] knows.
-pub const EXTENSIONS: &[&str] = &["ply", "obj", "stl", "glb", "gltf"];
+pub const EXTENSIONS: &[&str] = &["ply", "obj", "stl", "glb", "gltf", "serialized"];
 
 /// The bytes of a file that a mesh file names, by its path from the folder of the mesh file; what is wrong, in words.
 pub type Beside<'f> = dyn FnMut(&str) -> Result<Box<dyn AsRef<[u8]>>, String> + 'f;
 
 /// The mesh in the file with these bytes; `part` selects an object or a group of an OBJ file, a solid of an STL file that is
-/// text, a node or a mesh of a glTF file. The result has at least one triangle and passes [`Geometry::check`]; it has
+/// text, a node or a mesh of a glTF file, the number of a mesh of a serialized file. The result has at least one triangle and passes [`Geometry::check`]; it has
 /// normals and texture coordinates where the file has them for every corner.
 ///
 /// # Errors
@@ -81,6 +82,7 @@ pub fn read(
         },
         "obj" => obj::read(bytes, part)?,
         "stl" => stl::read(bytes, part)?,
+        "serialized" => serialized::read(bytes, part)?,
         "glb" | "gltf" => {
             let (model, mut notes) = gltf::read(bytes, part, beside)?;
             (model.merged(&mut notes)?, notes)
@@ -100,6 +102,7 @@ pub fn read_parts(extension: &str, bytes: &[u8], beside: &mut Beside<'_>) -> Res
         "ply" => ply::read(bytes).map(|(geometry, notes)| (Model::of(geometry), notes))?,
         "obj" => obj::read_parts(bytes, beside)?,
         "stl" => stl::read(bytes, None).map(|(geometry, notes)| (Model::of(geometry), notes))?,
+        "serialized" => serialized::read(bytes, None).map(|(geometry, notes)| (Model::of(geometry), notes))?,
         "glb" | "gltf" => gltf::read(bytes, None, beside)?,
         other => return Err(unknown(other)),
     };
@@ -128,6 +131,7 @@ pub fn parts(extension: &str, bytes: &[u8]) -> Result<Vec<String>, FileError> {
     match extension.to_ascii_lowercase().as_str() {
         "obj" => obj::parts(bytes),
         "stl" => stl::parts(bytes),
+        "serialized" => serialized::parts(bytes),
         _ => Ok(Vec::new()),
     }
 }
