@@ -336,3 +336,7 @@ pub(super) fn remove_empty(top: &Path, file: &Path) {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "staging_tests.rs"]
+mod tests;
