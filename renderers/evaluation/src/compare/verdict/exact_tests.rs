@@ -337,6 +337,7 @@ fn told(tests: Vec<Test>) -> Verdict {
 #[test]
 fn an_outcome_is_that_of_its_cells() {
     use Outcome::{Agree, Differ, Undecided};
+    assert_eq!([Agree, Differ, Undecided].map(Outcome::word), ["agree", "differ", "undecided"]);
     let agreed = told(five());
     assert_eq!((agreed.outcome, agreed.tiles, agreed.differing), (Agree, vec![Agree; 4], 0));
     assert_eq!((agreed.images, agreed.masked, agreed.together, agreed.needed), ((3, 4), 5, (true, false), None));
