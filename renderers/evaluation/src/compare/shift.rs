@@ -227,8 +227,8 @@ mod tests {
         for (width, height) in [(16, 16), (32, 16), (16, 48)] {
             let of = |mean: f32| {
                 move |x: usize, y: usize| {
-                    let part = if (x * 8 / width + y * 8 / height) % 2 == 0 { 0.1 } else { -0.1 };
-                    mean + part + if (x + y) % 2 == 0 { 0.5 } else { -0.5 }
+                    let part = if (x * 8 / width + y * 8 / height).is_multiple_of(2) { 0.1 } else { -0.1 };
+                    mean + part + if (x + y).is_multiple_of(2) { 0.5 } else { -0.5 }
                 }
             };
             assert!(!significant(width, height, of(0.0500)) && significant(width, height, of(0.0508)), "{width}");
@@ -269,7 +269,7 @@ mod tests {
     #[test]
     fn what_is_not_finite_takes_no_part() {
         // 64 parts of a pixel that gain 0.25 more or less: eight standard errors, and 5.7 roots of the squares.
-        let gain = |x: usize, _: usize| if x % 2 == 0 { 0.0 } else { 0.5 };
+        let gain = |x: usize, _: usize| if x.is_multiple_of(2) { 0.0 } else { 0.5 };
         let (mut a, mut b) = gaining(8, 8, false, gain);
         let there = |a: &Image, b: &Image| is_significant(&Pair::new(a, b).expect("a pair"), 1, (1, 0));
         assert!(there(&a, &b));

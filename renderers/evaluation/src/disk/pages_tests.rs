@@ -113,6 +113,8 @@ fn what_is_as_it_would_be_written_is_ours_whatever_its_line_ends() {
     {
         assert_ne!(hash(one.as_bytes()), hash(other.as_bytes()), "{one:?} and {other:?}");
     }
+    // Records that were committed hold this hash.
+    assert_eq!(hash(b"one\r\ntwo\n"), blake3::hash(b"one\ntwo\n").to_hex().to_string());
     for (one, other) in [("a\nb", "a\r\nb"), ("a\r", "a"), ("\r\n", "\n")] {
         assert_eq!(hash(one.as_bytes()), hash(other.as_bytes()), "{one:?} and {other:?}");
     }
@@ -182,6 +184,27 @@ fn a_record_leads_nowhere_else() {
     fs::write(folder.join(RECORD), serde_json::to_vec(&record).expect("a text")).expect("written");
     fs::write(folder.join("a"), "2").expect("written");
     assert!(Pages::new(&folder, "doc").refuse("a", false).is_err());
+}
+
+/// A link where a page was is a person's, wherever it leads; so is what cannot be looked at.
+#[cfg(unix)]
+#[test]
+fn links_in_the_place_of_pages_are_not_written_over() {
+    let root = folder();
+    let folder = root.path().join("docs");
+    assert!(write(&folder, "doc", &[("a", "1"), ("gone", "1")]).is_ok());
+    let other = root.path().join("other");
+    for name in ["a", "gone"] {
+        fs::remove_file(folder.join(name)).expect("removed");
+        fs::write(&other, "1").expect("written");
+        std::os::unix::fs::symlink(&other, folder.join(name)).expect("a link");
+    }
+    assert!(Pages::new(&folder, "doc").refuse("a", false).is_err());
+    assert!(write(&folder, "doc", &[("a", "2"), ("gone", "1")]).is_err());
+    assert_eq!(write(&folder, "doc", &[]), done(&[], &[]));
+    assert!(folder.join("gone").is_symlink() && read(&other) == "1");
+    std::os::unix::fs::symlink("endless", folder.join("endless")).expect("a link");
+    assert!(Pages::new(&folder, "doc").refuse("endless/page", false).is_err());
 }
 
 /// The run fails at its second page, where a file stands in the place of a folder; the first is written by then.

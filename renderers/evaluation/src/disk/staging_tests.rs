@@ -99,6 +99,20 @@ fn what_is_in_the_way_of_a_place_is_refused() {
     }
 }
 
+/// What does not change by waiting is told at once, and as it is.
+#[test]
+fn what_is_in_the_way_of_a_lock_is_told_as_it_is() {
+    for name in [LOCK, IGNORE] {
+        let root = tempfile::tempdir().expect("a folder");
+        fs::create_dir_all(root.path().join(STAGING).join(name).join("mine")).expect("a folder");
+        let error = Staging::of(root.path()).err().expect("refused");
+        assert_ne!(error.kind(), io::ErrorKind::WouldBlock, "{error}");
+        assert!(root.path().join(STAGING).join(name).join("mine").exists());
+    }
+    #[cfg(target_os = "linux")]
+    assert_eq!(Staging::of(Path::new("/proc")).err().expect("refused").kind(), io::ErrorKind::NotFound);
+}
+
 #[test]
 fn what_is_left_over_is_what_nobody_holds() {
     let root = tempfile::tempdir().expect("a folder");

@@ -292,7 +292,7 @@ mod tests {
             (sun(1.0), false),
             (sky, true),
         ] {
-            let found = under_a_sheet(&[kind.clone()]);
+            let found = under_a_sheet(std::slice::from_ref(&kind));
             let wanted = if enters { 1.0 - 1.0 / 2.25 } else { 0.0 };
             assert!((found.size - wanted).abs() < 1e-9, "{kind:?}: {found:?}");
             assert_eq!(found.what.contains("Cycles gives 0.4444 of it"), enters, "{found:?}");

@@ -122,6 +122,8 @@ fn samples_that_would_prove_agreement_are_predicted() {
     near(alone.half.expect("samples"), 100.0 * half);
     near(alone.most.expect("samples"), 100.0 * most);
     assert_eq!(alone.tile, Some((1, 0)));
+    // Fewer samples than there are may be enough.
+    near(needed(&[of((1, 0), 0, 1e-4, 2)], 100.0, 2).half.expect("samples"), half);
     // Of a cell the channel with the most noise decides; grids in between do not count.
     let list = [of((1, 0), 0, 0.01, 2), of((1, 0), 1, 0.002, 2), of((0, 0), 0, 0.1, 4), of((1, 0), 2, 0.01, 2)];
     near(needed(&list, 100.0, 2).half.expect("samples"), 100.0 * half);
@@ -406,7 +408,7 @@ fn the_error_of_a_ratio_has_both_sides() {
 
 /// Images of 8 by 8 pixels that alternate by 0.01 about a level, so that nothing is skewed.
 fn alternating(level: f64) -> Vec<Image> {
-    let sign = |image: usize, at: usize| if (image + at) % 2 == 0 { 0.01 } else { -0.01 };
+    let sign = |image: usize, at: usize| if (image + at).is_multiple_of(2) { 0.01 } else { -0.01 };
     let pixels = |image: usize| (0..64).map(|at| [(level + sign(image, at)) as f32; 3]).collect();
     (0..32).map(|image| Image { width: 8, height: 8, pixels: pixels(image) }).collect()
 }
@@ -426,6 +428,17 @@ fn the_level_is_that_of_all_tests_together() {
         // The degrees of freedom are nearly 4000, and events make the errors wider by 0.03 %.
         assert_eq!((outcome(deviate - 0.02), outcome(deviate + 0.03)), (Outcome::Undecided, Outcome::Differ), "{fine}");
     }
+}
+
+/// Samples are told of all images of B: where the error is as large as the tolerance, (0.674490 + 1.644854)^2 times those.
+#[test]
+fn samples_of_all_images_are_told() {
+    let images = alternating(1.0);
+    let error = (1e-4 * 32.0 / 31.0 / 2048.0 * 2.0_f64).sqrt();
+    let side = Rendered { images: Images::Held(&images), samples: 16.0 };
+    let verdict = judge_in(side, side, Tolerance { tiles: 1.0, whole: error }, 1).expect("a verdict");
+    let half = verdict.needed.and_then(|needed| needed.half).expect("samples");
+    assert!((half / (16.0 * 32.0 * (0.674_490 + ONE_SIDED).powi(2)) - 1.0).abs() < 2e-3, "{half}");
 }
 
 #[test]

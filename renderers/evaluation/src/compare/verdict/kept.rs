@@ -262,6 +262,11 @@ mod tests {
         near(found.worst, 0.1);
         near(found.whole, 0.1 / 63.0_f64.sqrt());
         assert_eq!(found.masked, 1);
+        // Fewer pixels than tiles: those without any do not count.
+        let (mean, few) = (Image::filled(4, 2, [2.0; 3]), Image::filled(4, 2, [0.04; 3]));
+        let found = error_of(&mean, &few, 4).expect("an error");
+        near(found.tiles, 0.1);
+        near(found.worst, 0.1);
         let refused = |value: f32| error_of(&Image::filled(8, 8, [value; 3]), &variance, 4).expect_err("refused");
         assert!([f32::NAN, 0.0, -1.0].into_iter().all(|value| refused(value) == CompareError::Empty));
         assert!(matches!(error_of(&Image::filled(4, 8, [1.0; 3]), &variance, 4), Err(CompareError::Size { .. })));
@@ -272,12 +277,13 @@ mod tests {
     #[test]
     fn the_error_of_images_that_swing_is_that_by_hand() {
         let pixel = |image: usize, at: usize| {
-            let sign = if (image + at) % 2 == 0 { 1.0 } else { -1.0 };
+            let sign = if (image + at).is_multiple_of(2) { 1.0 } else { -1.0 };
             [10.0 + sign + if image < 2 { 1.0 } else { -1.0 }; 3]
         };
         let of = |image: usize| Image { width: 8, height: 8, pixels: (0..64).map(|at| pixel(image, at)).collect() };
         let images: Vec<Image> = (0..4).map(of).collect();
         let (moments, found) = mean_error(Images::Held(&images)).expect("images");
+        assert!(mean_error(Images::Held(&images[..3])).is_ok(), "three are enough");
         // A variance of three degrees is below the true one by (1 - 2 / 27)^3 in the median.
         let median = (25.0_f64 / 27.0).powi(3);
         near(found.tiles, (2.0 / 3.0 / median).sqrt() / 10.0);

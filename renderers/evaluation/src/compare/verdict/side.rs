@@ -372,8 +372,9 @@ mod tests {
             let side = Side::of(&moments, Images::Held(images), &[false; 256], 1.0).expect("images");
             let factor = |grid: usize| {
                 let cells = (0..grid * grid).map(|index| Place { grid, index });
-                let ratio = |cell| side.by_images(cell, 3) / side.by_pixels(cell, 3);
-                cells.map(ratio).sum::<f64>() / (grid * grid) as f64
+                let noisy = cells.filter(|cell| side.by_pixels(*cell, 3) > 0.0);
+                let ratios: Vec<f64> = noisy.map(|cell| side.by_images(cell, 3) / side.by_pixels(cell, 3)).collect();
+                ratios.iter().sum::<f64>() / ratios.len() as f64
             };
             (side.noise(), factor(8), factor(4))
         };
@@ -392,7 +393,10 @@ mod tests {
         for (at, image) in swinging.iter_mut().enumerate() {
             image.pixels.iter_mut().flatten().for_each(|value| *value += at as f32);
         }
-        for (images, together) in [(&plain, false), (&twin, false), (&even, false), (&swinging, true)] {
+        // Where nothing varies, as in a black half, there is nothing to tell, and the other half tells it alone.
+        let mut half = twin.clone();
+        half.iter_mut().for_each(|image| image.pixels[..128].fill([0.0; 3]));
+        for (images, together) in [(&plain, false), (&twin, false), (&half, false), (&even, false), (&swinging, true)] {
             let (noise, tiles, cells) = of(images);
             near(noise.tiles, tiles.max(1.0));
             near(noise.cells, cells.max(tiles).max(1.0));
@@ -400,36 +404,42 @@ mod tests {
         }
         let (noise, ..) = of(&even);
         assert_eq!((noise.tiles, noise.cells), (1.0, 1.0));
-        assert!((1.5..2.5).contains(&of(&twin).0.tiles), "{:?}", of(&twin));
+        for images in [&twin, &half] {
+            assert!((1.5..2.5).contains(&of(images).0.tiles), "{:?}", of(images));
+        }
         // Without any noise there is nothing to compare.
         let (noise, ..) = of(&vec![Image::filled(16, 16, [1.0; 3]); 3]);
         assert_eq!((noise.tiles, noise.cells, noise.together), (1.0, 1.0, false));
     }
 
     /// Whole images go up and down together from 1.3 times the 95 % point on: of four images with three degrees 1.3 * 2.605 times the variance
-    /// of independent pixels.
+    /// that tiles tell, which is that of independent pixels times the factor of tiles.
     #[test]
     fn images_go_together_from_a_multiple_of_the_quantile_on() {
-        // 64 pixels, each +1 or -1 in the images in turn, so that tiles vary and the whole does not; the whole swings by `by` beside that.
-        let images = |by: f64| -> Vec<Image> {
+        // 64 tiles of one pixel, or of two alike, each +1 or -1 in the images in turn, so that tiles vary and the whole does not; the whole swings
+        // by `by` beside that.
+        let images = |wide: usize, by: f64| -> Vec<Image> {
             let signs = [[1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0]];
             let pixel = |image: usize, at: usize| {
-                let sign = if at % 2 == 0 { 1.0 } else { -1.0 } * signs[0][image];
+                let sign = if (at / wide).is_multiple_of(2) { 1.0 } else { -1.0 } * signs[0][image];
                 [(10.0 + sign + by * signs[1][image]) as f32; 3]
             };
-            let of = |image| Image { width: 8, height: 8, pixels: (0..64).map(|at| pixel(image, at)).collect() };
-            (0..4).map(of).collect()
+            let pixels = |image: usize| (0..64 * wide).map(|at| pixel(image, at)).collect();
+            (0..4).map(|image| Image { width: 8 * wide, height: 8, pixels: pixels(image) }).collect()
         };
-        let together = |by: f64| {
-            let images = images(by);
-            let mut moments = Moments::new(8, 8);
+        let together = |wide: usize, by: f64| {
+            let images = images(wide, by);
+            let mut moments = Moments::new(8 * wide, 8);
             images.iter().for_each(|image| moments.add(image).expect("one size"));
-            let side = Side::of(&moments, Images::Held(&images), &[false; 64], 1.0).expect("images");
-            assert!((side.noise().tiles - 1.0).abs() < 1e-6, "tiles are pixels");
-            side.noise().together
+            let mask = vec![false; 64 * wide];
+            let noise = Side::of(&moments, Images::Held(&images), &mask, 1.0).expect("images").noise();
+            near(noise.tiles, wide as f64);
+            noise.together
         };
-        // Variance of the whole by images: by^2; by pixels: (1 + by^2) / 64. The bound 3.386 = 64 by^2 / (1 + by^2) is met at by = 0.2364.
-        assert!(!together(0.233) && together(0.24));
+        // Variance of the whole by images: by^2; by tiles: (1 + by^2) / 64. The bound 3.386 = 64 by^2 / (1 + by^2) is met at by = 0.2364.
+        for wide in [1, 2] {
+            assert!(!together(wide, 0.233) && together(wide, 0.24), "{wide}");
+        }
     }
 
     #[test]
