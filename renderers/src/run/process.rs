@@ -236,6 +236,9 @@ fn read_line(reader: &mut impl BufRead, states: bool, line: &mut Vec<u8>) -> io:
 /// A running program and what it started. Dropping it kills all of them.
 struct Tree {
     child: Child,
+    /// What ends all that the program started; none where the system refuses it.
+    #[cfg(windows)]
+    whole: Option<crate::job_object::Whole>,
     ended: bool,
     _held: guard::Held,
 }
@@ -261,7 +264,13 @@ impl Tree {
                 false => end(id),
             }
         })?;
-        Ok(Self { child, ended: false, _held: held })
+        Ok(Self {
+            #[cfg(windows)]
+            whole: crate::job_object::Whole::of(&child).ok(),
+            child,
+            ended: false,
+            _held: held,
+        })
     }
 
     /// Whether the program has ended. It is not yet waited for, so that its number, which is also
@@ -322,8 +331,11 @@ impl Tree {
         #[cfg(all(unix, not(target_os = "linux")))]
         self.let_supervisor_end();
         end(self.child.id());
+        // First the program, whose exit code would be that of a success where only the job ends it.
         #[cfg(not(unix))]
         let _gone = self.child.kill();
+        #[cfg(windows)]
+        drop(self.whole.take());
         let status = self.child.wait();
         self.ended = true;
         status

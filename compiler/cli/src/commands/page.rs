@@ -84,7 +84,9 @@ fn show(index: &Path) {
     } else {
         ("xdg-open", &[])
     };
-    let real = std::fs::canonicalize(index).unwrap_or_else(|_| index.to_path_buf());
+    // Without links, but where that makes a path that shells of Windows do not know.
+    let real = if cfg!(windows) { std::path::absolute(index) } else { std::fs::canonicalize(index) };
+    let real = real.unwrap_or_else(|_| index.to_path_buf());
     let words: Vec<&std::ffi::OsStr> = before.iter().map(std::ffi::OsStr::new).chain([real.as_os_str()]).collect();
     let why = match client::ask(Path::new(program), &words, PATIENCE) {
         Ok(answer) if answer.ok => return,

@@ -161,7 +161,8 @@ impl Store {
     fn lock(&self, key: &str) -> io::Result<File> {
         let folder = self.root.join("locks");
         fs::create_dir_all(&folder)?;
-        let file = File::options().create(true).append(true).open(folder.join(&key[..LOCKS]))?;
+        // Windows locks no file that is open only to be added to.
+        let file = File::options().read(true).create(true).append(true).open(folder.join(&key[..LOCKS]))?;
         loop {
             ltsc_render::guard::stop_if_ending();
             match file.try_lock() {

@@ -147,6 +147,13 @@ mod tests {
             moved.pixels.rotate_right(2);
             let found = best(&Pair::new(&b, &moved).expect("a pair"), 2, false).expect("large enough");
             assert_eq!((found.dx, found.dy), (-2, 0), "{found:?}");
+            // And so is the same two pixels down.
+            let mut moved = b.clone();
+            moved.pixels.rotate_right(2 * 24);
+            let pair = Pair::new(&b, &moved).expect("a pair");
+            let found = best(&pair, 2, false).expect("large enough");
+            assert_eq!((found.dx, found.dy), (0, -2), "{found:?}");
+            assert!(is_significant(&pair, 2, (0, -2)) && !is_significant(&pair, 2, (0, 2)));
         }
     }
 
@@ -182,5 +189,136 @@ mod tests {
         assert_eq!((found.dx, found.dy), (0, 0));
         let small = Image::filled(4, 9, [1.0; 3]);
         assert_eq!(best(&Pair::new(&small, &small).expect("a pair"), 2, false), None);
+    }
+
+    /// Two images in which each inner pixel grows more equal by 3 times its gain, between -1 and 1, where B moves one to the right, or one
+    /// down: B is striped, 0 and 1, and A lies between both.
+    fn gaining(width: usize, height: usize, down: bool, gain: impl Fn(usize, usize) -> f32) -> (Image, Image) {
+        let stripe = |x: usize, y: usize| if down { y % 2 } else { x % 2 } as f32;
+        let places = || (0..height + 2).flat_map(move |y| (0..width + 2).map(move |x| (x, y)));
+        let near = |x: usize, y: usize| {
+            let inside = (1..=width).contains(&x) && (1..=height).contains(&y);
+            let gain = if inside { gain(x - 1, y - 1) } else { 0.0 };
+            // |b - a| - |1 - b - a| is the gain.
+            if stripe(x, y) == 0.0 { (1.0 + gain) / 2.0 } else { (1.0 - gain) / 2.0 }
+        };
+        let image = |pixels| Image { width: width + 2, height: height + 2, pixels };
+        (
+            image(places().map(|(x, y)| [near(x, y); 3]).collect()),
+            image(places().map(|(x, y)| [stripe(x, y); 3]).collect()),
+        )
+    }
+
+    fn significant(width: usize, height: usize, gain: impl Fn(usize, usize) -> f32) -> bool {
+        let [right, below] = [false, true].map(|down| {
+            let (a, b) = gaining(width, height, down, &gain);
+            let by = if down { (0, 1) } else { (1, 0) };
+            is_significant(&Pair::new(&a, &b).expect("a pair"), 1, by)
+        });
+        assert_eq!(right, below);
+        right
+    }
+
+    /// 64 parts with a gain of `mean` or 0.1 more or less: a standard error of 0.1 / sqrt(63), so that four of them are 0.05040. In each
+    /// part pixels gain and lose 0.5 beside that, so that no sum over pixels shows it.
+    #[test]
+    fn a_shift_is_one_from_four_standard_errors_of_the_parts_on() {
+        // Parts of 2 by 2, of 4 by 2, of 2 by 6 pixels, and of 2 by 2 or 2 by 4 where sides are no multiples of eight.
+        for (width, height) in [(16, 16), (32, 16), (16, 48)] {
+            let of = |mean: f32| {
+                move |x: usize, y: usize| {
+                    let part = if (x * 8 / width + y * 8 / height).is_multiple_of(2) { 0.1 } else { -0.1 };
+                    mean + part + if (x + y).is_multiple_of(2) { 0.5 } else { -0.5 }
+                }
+            };
+            assert!(!significant(width, height, of(0.0500)) && significant(width, height, of(0.0508)), "{width}");
+            assert!(!significant(width, height, of(-0.3)), "a loss is none");
+        }
+        // With fewer pixels than parts each pixel is one: 15 of them, one gains 0.2 more, so that the standard error is 0.2 / 15.
+        let one = |mean: f32| move |x: usize, y: usize| mean + if (x, y) == (4, 2) { 0.2 } else { 0.0 };
+        // The mean is 0.2 / 15 above the others' gain: 4 standard errors where they gain 3 of them.
+        assert!(!significant(5, 3, one(0.0395)) && significant(5, 3, one(0.0405)));
+        assert!(!significant(1, 1, |_, _| 0.9), "one part tells nothing");
+    }
+
+    /// Of 12 by 12 pixels parts have 1, 2 or 4, and count alike: those of four lose 0.3 in each pixel, the others gain 0.5. Their mean is 0.3, its
+    /// standard error 0.35 / 8; the sums over pixels tell nothing: 20.8 of 5.1 as the root of the squares.
+    #[test]
+    fn parts_of_different_sizes_count_alike() {
+        let wide = |at: usize| (0..12).filter(|other| other * 8 / 12 == at * 8 / 12).count() == 2;
+        assert!(significant(12, 12, |x, y| if wide(x) && wide(y) { -0.3 } else { 0.5 }));
+    }
+
+    /// In one part of 7 by 7 pixels some gain alike: the sum is sqrt(n) times the root of the squares.
+    #[test]
+    fn a_shift_is_one_from_six_roots_of_the_squares_of_pixels_on() {
+        let first =
+            |count: usize| move |x: usize, y: usize| if x < 7 && y < 7 && y * 7 + x < count { 0.25 } else { 0.0 };
+        assert!(!significant(56, 56, first(35)) && significant(56, 56, first(37)));
+        // Pixels that lose the same take away from the sum and add to the squares: 40 gain and 2 lose, 38 / sqrt(42) = 5.86; 41 and 1, 6.17.
+        let losing = |lost: usize| {
+            move |x: usize, y: usize| match y * 7 + x {
+                at if x >= 7 || y >= 7 || at >= 42 => 0.0,
+                at if at < lost => -0.25,
+                _ => 0.25,
+            }
+        };
+        assert!(!significant(56, 56, losing(2)) && significant(56, 56, losing(1)));
+    }
+
+    #[test]
+    fn what_is_not_finite_takes_no_part() {
+        // 64 parts of a pixel that gain 0.25 more or less: eight standard errors, and 5.7 roots of the squares.
+        let gain = |x: usize, _: usize| if x.is_multiple_of(2) { 0.0 } else { 0.5 };
+        let (mut a, mut b) = gaining(8, 8, false, gain);
+        let there = |a: &Image, b: &Image| is_significant(&Pair::new(a, b).expect("a pair"), 1, (1, 0));
+        assert!(there(&a, &b));
+        a.pixels[33] = [f32::NAN, 0.0, 0.0];
+        b.pixels[47] = [0.0, f32::INFINITY, 0.0];
+        assert!(there(&a, &b));
+        // B is 2 brighter in red, 1 in green, in all 16 inner pixels of 4 by 4 but one in each image.
+        let (mut a, mut b) = (Image::filled(6, 6, [1.0; 3]), Image::filled(6, 6, [3.0, 2.0, 1.0]));
+        a.pixels[7] = [f32::NAN; 3];
+        b.pixels[8] = [f32::INFINITY; 3];
+        assert_eq!(error(&Pair::new(&a, &b).expect("a pair"), 1, (0, 0)), Some(1.0));
+        // Four of them 4 brighter beside: (14 * 3 + 4 * 4) / (14 * 3).
+        (1..5).for_each(|x| b.pixels[4 * 6 + x] = [5.0, 4.0, 1.0]);
+        let found = error(&Pair::new(&a, &b).expect("a pair"), 1, (0, 0)).expect("pixels");
+        assert!((found - (42.0 + 16.0) / 42.0).abs() < 1e-12, "{found}");
+        let nothing = Image::filled(6, 6, [f32::NAN; 3]);
+        assert_eq!(error(&Pair::new(&nothing, &b).expect("a pair"), 1, (0, 0)), None);
+    }
+
+    /// What remains after a shift is rounding, or noise, by its share of what was there before: whatever the unit of light.
+    #[test]
+    fn what_is_gone_after_a_shift_is_told_by_its_share() {
+        let lit = |at: usize, value: f32, rest: f32| {
+            let mut image = Image::filled(16, 16, [0.0; 3]);
+            image.pixels[16 * 8 + at] = [value; 3];
+            image.pixels[16 * 3 + 3] = [rest; 3];
+            image
+        };
+        for unit in [1e-6, 1.0, 1e6] {
+            let found = |rest: f32| {
+                let (a, b) = (lit(8, unit, 0.0), lit(9, unit, rest * unit));
+                best(&Pair::new(&a, &b).expect("a pair"), 2, false).expect("large enough")
+            };
+            // Two pixels of the light are wrong before, and of the rest one is, before and after: it is half of its share.
+            assert_eq!((found(1.9e-6).dx, found(2.2e-6).dx), (-1, 0), "{unit}");
+        }
+    }
+
+    #[test]
+    fn of_equal_shifts_the_shortest_is_taken() {
+        // Stripes of two pixels, moved by one: to the left, or three to the right.
+        let stripes = |by: usize| Image {
+            width: 16,
+            height: 12,
+            pixels: (0..16 * 12).map(|at| [if (at % 16 + by) % 4 < 2 { 1.0 } else { 0.0 }; 3]).collect(),
+        };
+        let found = best(&Pair::new(&stripes(0), &stripes(1)).expect("a pair"), 3, false).expect("large enough");
+        assert_eq!((found.dx, found.dy), (1, 0));
+        // Half of all pixels differ before.
+        assert_eq!((found.error, found.error_unshifted), (0.0, 0.5));
     }
 }

@@ -288,3 +288,7 @@ pub fn not_ours(files: &[PathBuf]) -> Failure {
     let message = format!("{}{more} {what}; nothing was written", named.join(", "));
     Failure::new(Exit::Usage, message).help("choose another place, or add `--force` to write over what is there")
 }
+
+#[cfg(test)]
+#[path = "pages_tests.rs"]
+mod tests;

@@ -212,10 +212,11 @@ impl DiskSink {
     /// Gives the new folder all that stays: our files that are the same, and everything of someone else's.
     fn carry(&self, stage: &Path) -> io::Result<()> {
         guard::stop_if_ending();
+        // As paths, since the disk may have another separator.
         let removed: BTreeSet<&Path> = self.changes.removed.iter().map(Path::new).collect();
+        let staged: BTreeSet<&Path> = self.staged.iter().map(Path::new).chain([Path::new(MANIFEST)]).collect();
         for path in files_below(&self.folder)? {
-            let new = path.to_str().is_some_and(|path| self.staged.contains(path)) || path == Path::new(MANIFEST);
-            if new || removed.contains(path.as_path()) {
+            if staged.contains(path.as_path()) || removed.contains(path.as_path()) {
                 continue;
             }
             let (from, to) = (self.folder.join(&path), stage.join(&path));

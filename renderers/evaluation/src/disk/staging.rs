@@ -250,9 +250,9 @@ fn locked(around: &Path) -> io::Result<Option<File>> {
             let message = format!("{} is no folder", folder.display());
             return Err(io::Error::new(io::ErrorKind::InvalidInput, message));
         }
-        // Another process may just have removed the folder.
+        // Another process may just have removed the folder. Windows locks no file that is open only to be added to.
         let gone = |error: &io::Error| error.kind() == io::ErrorKind::NotFound;
-        let lock = match File::options().create(true).append(true).open(folder.join(LOCK)) {
+        let lock = match File::options().read(true).create(true).append(true).open(folder.join(LOCK)) {
             Err(error) if gone(&error) => continue,
             other => other?,
         };
@@ -336,3 +336,7 @@ pub(super) fn remove_empty(top: &Path, file: &Path) {
         }
     }
 }
+
+#[cfg(test)]
+#[path = "staging_tests.rs"]
+mod tests;

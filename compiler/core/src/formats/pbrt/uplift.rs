@@ -226,4 +226,99 @@ mod tests {
         let head_on: Values = std::array::from_fn(|at| fresnel::head_on(eta[at], k[at]));
         near(in_daylight(&head_on), [0.9823, 0.6240, 0.5127], 2e-3);
     }
+
+    /// Lightness and the two axes of the primaries of sRGB, as tables of color spaces have them, and of greys on both sides of the bend.
+    #[test]
+    fn cielab_is_that_of_tables() {
+        near(lab([1.0; 3]), [100.0, 0.0, 0.0], 1e-4);
+        near(lab([1.0, 0.0, 0.0]), [53.24, 80.09, 67.20], 0.03);
+        near(lab([0.0, 1.0, 0.0]), [87.73, -86.18, 83.18], 0.03);
+        near(lab([0.0, 0.0, 1.0]), [32.30, 79.19, -107.86], 0.03);
+        near(lab([0.184_187; 3]), [50.0, 0.0, 0.0], 1e-3);
+        // Below 0.008856 it is linear: 903.2963 of each part.
+        near(lab([0.002; 3]), [1.806_593, 0.0, 0.0], 1e-4);
+        near(lab([0.0; 3]), [0.0; 3], 1e-9);
+    }
+
+    #[test]
+    fn equations_are_solved() {
+        let matrix = [[2.0, -1.0, 3.0], [4.0, 5.0, -6.0], [7.0, 8.0, 10.0]];
+        near(solved(matrix, [13.0, -24.0, 21.0]).expect("one solution"), [1.0, -2.0, 3.0], 1e-12);
+        near(solved(matrix, [-3.5, 15.5, 5.5]).expect("one solution"), [0.5, 1.5, -1.0], 1e-12);
+        assert_eq!(solved([[1.0, 2.0, 3.0], [2.0, 4.0, 6.0], [0.0, 0.0, 1.0]], [1.0; 3]), None);
+        assert_eq!(solved([[f64::INFINITY; 3]; 3], [1.0; 3]), None);
+    }
+
+    /// A spectrum with its corners on wavelengths that are looked at has the color that it has exactly.
+    #[test]
+    fn spectra_have_their_own_colors() {
+        let points = [(360.0, 0.5), (420.0, 1.0), (500.0, 0.2), (620.0, 0.75), (700.0, 0.1), (830.0, 0.4)];
+        let of = |meaning: Meaning| {
+            let spectrum = Spectrum::new(&points, meaning);
+            (given(&spectrum), spectrum.exact_rgb())
+        };
+        let (share, exact) = of(Meaning::Share);
+        assert_eq!((share[0], share[12], share[68], share[94]), (0.5, 1.0, 0.1, 0.4));
+        assert!((share[20] - 0.6).abs() < 1e-12, "460 nm lies in the middle of 420 and 500");
+        near(in_daylight(&share), exact, 2e-4);
+        let (light, exact) = of(Meaning::Light);
+        near(as_light(&light), exact, 2e-4 * exact[0].abs().max(1.0));
+        near(in_daylight(&[1.0; COUNT]), [1.0; 3], 2e-4);
+        // After things each wavelength has its own product.
+        let dark: Values = std::array::from_fn(|at| if at < 40 { 0.5 } else { 0.25 });
+        let both: Values = std::array::from_fn(|at| light[at] * share[at] * dark[at]);
+        near(Light::Own(light).after([&share, &dark].into_iter()), as_light(&both), 1e-12);
+        let both: Values = std::array::from_fn(|at| share[at] * dark[at]);
+        near(Light::Daylight(share).after([&dark].into_iter()), in_daylight(&both), 1e-12);
+    }
+
+    #[test]
+    fn colors_without_a_bound_are_twice_their_largest_channel() {
+        let half = reflectance([0.5, 0.25, 0.125]);
+        let found = unbounded(&Color::Rgb([40.0, 20.0, 10.0]));
+        assert!(found.iter().zip(&half).all(|(value, share)| (value - 80.0 * share).abs() < 1e-12));
+        assert_eq!(unbounded(&Color::Grey(3.0)), [3.0; COUNT]);
+        assert_eq!((unbounded(&Color::Grey(0.0)), reflectance([0.25; 3])), ([0.0; COUNT], [0.25; COUNT]));
+    }
+
+    /// The quadratic that a reflectance is made of, from three of its values, and the distance of its color in CIELAB from another one.
+    fn quadratic(values: &Values) -> [f64; 3] {
+        let y = |at: usize| {
+            let s = 2.0 * values[at] - 1.0;
+            s / (1.0 - s * s).sqrt()
+        };
+        let (first, middle, last) = (y(0), y(47), y(94));
+        let bend = 2.0 * (first - 2.0 * middle + last);
+        [bend, last - first - bend, first]
+    }
+
+    fn distance(c: [f64; 3], rgb: [f64; 3]) -> f64 {
+        let values: Values = std::array::from_fn(|at| {
+            let x = at as f64 / 94.0;
+            let y = c[0] * x * x + c[1] * x + c[2];
+            0.5 + 0.5 * y / (1.0 + y * y).sqrt()
+        });
+        let (found, wanted) = (lab(in_daylight(&values)), lab(rgb));
+        found.iter().zip(wanted).map(|(a, b)| (a - b) * (a - b)).sum::<f64>().sqrt()
+    }
+
+    /// Nearly grey, nearly black, nearly white and saturated colors are met as well, by spectra of the form that is written above.
+    #[test]
+    fn colors_at_the_edges_are_met_by_spectra_of_the_form() {
+        for rgb in [
+            [0.5, 0.2, 0.1],
+            [0.05, 0.1, 0.6],
+            [0.02, 0.9, 0.9],
+            [0.2, 0.201, 0.2],
+            [0.001, 0.002, 0.001],
+            [0.98, 0.97, 0.99],
+            [0.4, 0.0, 0.0],
+        ] {
+            let values = reflectance(rgb);
+            assert!(values.iter().all(|value| (0.0..=1.0).contains(value)));
+            let found = distance(quadratic(&values), rgb);
+            assert!(found < 1e-3, "{rgb:?}: {found}");
+            near(in_daylight(&values), rgb, 1e-5);
+        }
+    }
 }

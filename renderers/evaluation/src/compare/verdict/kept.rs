@@ -228,4 +228,123 @@ mod tests {
             assert!(exact.channels[0].error < found.channels[0].error);
         }
     }
+
+    fn near(found: f64, wanted: f64) {
+        assert!((found - wanted).abs() <= 1e-5 * wanted.abs() + 1e-12, "{found} instead of {wanted}");
+    }
+
+    /// 8 by 8 pixels, one for each tile, whose values and variances are known.
+    #[test]
+    fn the_error_of_a_known_variance_is_that_by_hand() {
+        let mut mean = Image::filled(8, 8, [1.0, 2.0, 3.0]);
+        // Channels vary together: their deviations 0.1, 0.2, 0.3 make one of 0.2, and with a mean of 2 a share of 0.1.
+        let mut variance = Image::filled(8, 8, [0.01, 0.04, 0.09]);
+        let found = error_of(&mean, &variance, 4).expect("an error");
+        near(found.tiles, 0.1);
+        near(found.worst, 0.1);
+        near(found.pixels, 0.1);
+        near(found.whole, 0.1 / 8.0);
+        assert_eq!((found.correlation, found.together, found.masked), ((1.0, 1.0), false, 0));
+        // One pixel of a deviation of 0.6 is the worst, and the whole has a variance of 63 * 0.04 + 0.36.
+        variance.pixels[3 * 8 + 5] = [0.36; 3];
+        let found = error_of(&mean, &variance, 4).expect("an error");
+        near(found.worst, 0.3);
+        near(found.tiles, 0.1);
+        near(found.whole, 2.88_f64.sqrt() / 64.0 / 2.0);
+        assert_eq!(found.worst_at, (5, 3));
+        // A pixel as dark as that is told as a share of a tenth of the image's mean, which it lowers.
+        mean.pixels[3 * 8 + 5] = [0.01; 3];
+        let found = error_of(&mean, &variance, 4).expect("an error");
+        near(found.worst, 0.6 / (0.1 * (63.0 * 2.0 + 0.01) / 64.0));
+        // What is not finite is left out, and the worst of the others is one of many.
+        mean.pixels[3 * 8 + 5] = [f32::NAN; 3];
+        let found = error_of(&mean, &variance, 4).expect("an error");
+        near(found.worst, 0.1);
+        near(found.whole, 0.1 / 63.0_f64.sqrt());
+        assert_eq!(found.masked, 1);
+        // Fewer pixels than tiles: those without any do not count.
+        let (mean, few) = (Image::filled(4, 2, [2.0; 3]), Image::filled(4, 2, [0.04; 3]));
+        let found = error_of(&mean, &few, 4).expect("an error");
+        near(found.tiles, 0.1);
+        near(found.worst, 0.1);
+        let refused = |value: f32| error_of(&Image::filled(8, 8, [value; 3]), &variance, 4).expect_err("refused");
+        assert!([f32::NAN, 0.0, -1.0].into_iter().all(|value| refused(value) == CompareError::Empty));
+        assert!(matches!(error_of(&Image::filled(4, 8, [1.0; 3]), &variance, 4), Err(CompareError::Size { .. })));
+    }
+
+    /// Four images of 10, each pixel one more or less in turn, and the whole one more or less beside that: a pixel's mean has a variance of
+    /// (4 + 4) / 3 / 4, the whole of 4 / 3 / 4, and independent pixels of 2 / 3 / 64.
+    #[test]
+    fn the_error_of_images_that_swing_is_that_by_hand() {
+        let pixel = |image: usize, at: usize| {
+            let sign = if (image + at).is_multiple_of(2) { 1.0 } else { -1.0 };
+            [10.0 + sign + if image < 2 { 1.0 } else { -1.0 }; 3]
+        };
+        let of = |image: usize| Image { width: 8, height: 8, pixels: (0..64).map(|at| pixel(image, at)).collect() };
+        let images: Vec<Image> = (0..4).map(of).collect();
+        let (moments, found) = mean_error(Images::Held(&images)).expect("images");
+        assert!(mean_error(Images::Held(&images[..3])).is_ok(), "three are enough");
+        // A variance of three degrees is below the true one by (1 - 2 / 27)^3 in the median.
+        let median = (25.0_f64 / 27.0).powi(3);
+        near(found.tiles, (2.0 / 3.0 / median).sqrt() / 10.0);
+        near(found.worst, (2.0 / 3.0 / median).sqrt() / 10.0);
+        near(found.pixels, (2.0 / 3.0 / median).sqrt() / 10.0);
+        near(found.whole, (1.0_f64 / 3.0).sqrt() / 10.0);
+        // Kept, the swing is told as correlation of the whole: (1 / 3) / (2 / 3 / 64).
+        assert!(found.together);
+        near(found.correlation.0, 1.0);
+        near(found.correlation.1, 32.0);
+        let (mean, variance) = (moments.mean_image(), moments.variance_image());
+        let flat = vec![Image::filled(8, 8, [10.0; 3]); 3];
+        let kept =
+            Kept { mean: &mean, variance: Some(&variance), images: 4, samples: 1.0, correlation: found.correlation };
+        let side = Rendered { images: Images::Held(&flat), samples: 1.0 };
+        let verdict = judge_kept(kept, side, Tolerance::default(), 8).expect("a verdict");
+        near(verdict.channels[0].error, (1.0_f64 / 3.0).sqrt() / 10.0);
+        // Factors below 1 are none, and larger cells have no smaller one than tiles.
+        let error = |correlation: (f64, f64)| {
+            judge_kept(Kept { correlation, ..kept }, side, Tolerance::default(), 8).expect("a verdict").channels[0]
+                .error
+        };
+        let plain = (2.0_f64 / 3.0 / 64.0).sqrt() / 10.0;
+        near(error((0.1, 0.1)), plain);
+        near(error((4.0, 1.0)), 2.0 * plain);
+        near(error((0.1, 9.0)), 3.0 * plain);
+        // One image has no noise, whatever is said of it.
+        let one = judge_kept(Kept { images: 1, ..kept }, side, Tolerance::default(), 8).expect("a verdict");
+        assert_eq!((one.channels[0].error, one.images), (0.0, (1, 3)));
+        assert_eq!((verdict.images, verdict.masked), ((4, 3), 0));
+    }
+
+    #[test]
+    fn a_kept_mean_that_tells_nothing_is_refused() {
+        let (mean, variance) = (Image::filled(8, 8, [1.0; 3]), Image::filled(8, 8, [0.01; 3]));
+        let kept = Kept { mean: &mean, variance: Some(&variance), images: 4, samples: 1.0, correlation: (1.0, 1.0) };
+        let of = |kept: Kept<'_>, images: &[Image]| {
+            let side = Rendered { images: Images::Held(images), samples: 1.0 };
+            judge_kept(kept, side, Tolerance::default(), 8)
+        };
+        let other = |width: usize, height: usize| vec![Image::filled(width, height, [1.0; 3]); 3];
+        assert!(of(kept, &other(8, 8)).is_ok());
+        assert_eq!(of(kept, &other(8, 8)[..2]), Err(CompareError::Few { images: 2 }));
+        for (width, height) in [(4, 8), (8, 4)] {
+            assert_eq!(of(kept, &other(width, height)), Err(CompareError::Size { a: (8, 8), b: (width, height) }));
+        }
+        let nothing = Image::filled(8, 8, [f32::NAN; 3]);
+        assert_eq!(of(Kept { mean: &nothing, ..kept }, &other(8, 8)), Err(CompareError::Empty));
+        let mut some = mean.clone();
+        some.pixels[9] = [f32::NAN; 3];
+        assert_eq!(of(Kept { mean: &some, ..kept }, &other(8, 8)).expect("a verdict").masked, 1);
+    }
+
+    #[test]
+    fn medians_are_those_of_lists() {
+        assert_eq!((median(&mut [3.0, 1.0, 2.0]), median(&mut [4.0, 1.0, 3.0, 2.0])), (2.0, 3.0));
+        assert_eq!(median(&mut []), f64::INFINITY);
+        // Medians of chi-square over its degrees of freedom from tables, and of one and less the formula's own.
+        for (freedom, known) in [(3.0, 0.7887), (7.0, 0.9065), (30.0, 0.9779)] {
+            assert!((median_of_variances(freedom) / known - 1.0).abs() < 0.01, "{freedom}");
+        }
+        near(median_of_variances(0.0), (7.0_f64 / 9.0).powi(3));
+    }
 }

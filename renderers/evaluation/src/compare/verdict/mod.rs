@@ -496,3 +496,7 @@ pub(crate) fn glare(light: &[Option<f64>], width: usize) -> Vec<bool> {
 
 #[cfg(test)]
 mod tests;
+
+#[cfg(test)]
+#[path = "exact_tests.rs"]
+mod exact_tests;

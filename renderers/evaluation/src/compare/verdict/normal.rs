@@ -45,4 +45,20 @@ mod tests {
         assert_eq!(of_t(2.0, f64::INFINITY), 2.0);
         assert!((of_t(-2.0, 1e9) + 2.0).abs() < 1e-6);
     }
+
+    /// Points of the normal distribution from tables, and Wallace's formula by hand: for t = 2 and 3 degrees
+    /// 25 / 27 * sqrt(3 ln(1 + 4 / 3)) = 25 / 27 * 1.594332 = 1.476233.
+    #[test]
+    fn points_on_both_sides_are_those_of_tables_and_of_the_formula() {
+        for (z, share) in [(0.0, 0.5), (1.0, 0.841_344_746), (-2.0, 0.022_750_132), (-6.0, 9.865_876e-10)] {
+            assert!((below(z) / share - 1.0).abs() < 1e-7, "{z}");
+        }
+        for (probability, z) in [(0.5, 0.0), (0.158_655_254, 1.0), (9.865_876e-10, 6.0)] {
+            assert!((exceeded(probability) - z).abs() < 1e-7, "{probability}");
+        }
+        for (t, freedom, z) in [(2.0, 3.0, 1.476_233), (-2.0, 3.0, -1.476_233), (5.0, 2.0, 2.041_369)] {
+            assert!((of_t(t, freedom) - z).abs() < 2e-6, "{t}, {freedom}: {}", of_t(t, freedom));
+        }
+        assert_eq!((of_t(f64::INFINITY, 3.0), of_t(f64::NEG_INFINITY, 3.0)), (f64::INFINITY, f64::NEG_INFINITY));
+    }
 }

@@ -289,4 +289,193 @@ mod tests {
         assert_eq!(tile_of(2), [3, 7]);
         assert_eq!(tile_of(16).len(), 16);
     }
+
+    /// Images of 16 x 16 pixels, so that a tile has 2 x 2, without any order in them (steps of 0.001 of a quadratic residue).
+    fn disorder(count: usize) -> Vec<Image> {
+        let value = |image: usize, at: usize, channel: usize| {
+            let seed = 1 + at * 37 + image * 101 + channel * 17;
+            ((seed * seed + 3 * seed * image) % 1009) as f32 / 1009.0 + channel as f32
+        };
+        let pixels = |image: usize| (0..256).map(|at| [0, 1, 2].map(|channel| value(image, at, channel))).collect();
+        (0..count).map(|image| Image { width: 16, height: 16, pixels: pixels(image) }).collect()
+    }
+
+    /// The pixels of a cell, by their places.
+    fn pixels_of(cell: Place) -> Vec<usize> {
+        let wide = 16 / cell.grid;
+        let (column, row) = (cell.index % cell.grid, cell.index / cell.grid);
+        (0..256).filter(|at| at % 16 / wide == column && at / 16 / wide == row).collect()
+    }
+
+    fn value(image: &Image, at: usize, part: usize) -> f64 {
+        let pixel = image.pixels[at].map(f64::from);
+        if part == 3 { pixel.iter().sum::<f64>() / 3.0 } else { pixel[part] }
+    }
+
+    /// The sum over images of a power of a pixel's deviations from its mean.
+    fn power(images: &[Image], at: usize, part: usize, power: i32) -> f64 {
+        let mean = images.iter().map(|image| value(image, at, part)).sum::<f64>() / images.len() as f64;
+        images.iter().map(|image| (value(image, at, part) - mean).powi(power)).sum()
+    }
+
+    fn near(found: f64, wanted: f64) {
+        assert!((found - wanted).abs() <= 1e-5 * wanted.abs() + 1e-12, "{found} instead of {wanted}");
+    }
+
+    /// The definitions, written down once more from the images themselves: two passes, no sums that are kept.
+    #[test]
+    fn cells_of_all_grids_have_the_moments_of_the_definitions() {
+        for count in [3, 5] {
+            let images = disorder(count);
+            let k = count as f64;
+            let mut moments = Moments::new(16, 16);
+            images.iter().for_each(|image| moments.add(image).expect("one size"));
+            // Without a mask sums that are kept are used, with one the images; two pixels are left out.
+            for out in [vec![], vec![0, 119]] {
+                let mask: Vec<bool> = (0..256).map(|at| out.contains(&at)).collect();
+                let side = Side::of(&moments, Images::Held(&images), &mask, 7.0).expect("images");
+                for cell in [(8, 0), (8, 27), (4, 6), (2, 1), (2, 2), (1, 0)] {
+                    let cell = Place { grid: cell.0, index: cell.1 };
+                    let pixels: Vec<usize> = pixels_of(cell).into_iter().filter(|at| !out.contains(at)).collect();
+                    let size = pixels.len() as f64;
+                    assert_eq!(side.size(cell), size);
+                    let total = |of: &dyn Fn(usize) -> f64| pixels.iter().map(|at| of(*at)).sum::<f64>();
+                    let means = |part: usize| -> Vec<f64> {
+                        images.iter().map(|image| total(&|at| value(image, at, part)) / size).collect()
+                    };
+                    let scatter = |part: usize| {
+                        let means = means(part);
+                        let mean = means.iter().sum::<f64>() / k;
+                        means.iter().map(|one| (one - mean).powi(2)).sum::<f64>() / (k - 1.0) / k
+                    };
+                    for part in 0..PARTS {
+                        let variance = total(&|at| power(&images, at, part, 2) / (k - 1.0));
+                        near(side.by_pixels(cell, part), variance / k / size.powi(2));
+                        near(side.by_images(cell, part), scatter(part));
+                    }
+                    let noise = Noise { tiles: 1.5, cells: 2.5, together: false };
+                    let phi = if cell.grid == 8 { 1.5 } else { 2.5 };
+                    for channel in 0..3 {
+                        let of = side.estimate(cell, channel, noise);
+                        let variance = total(&|at| power(&images, at, channel, 2) / (k - 1.0));
+                        let squares = total(&|at| (power(&images, at, channel, 2) / (k - 1.0)).powi(2));
+                        let cubes = total(&|at| power(&images, at, channel, 3));
+                        let above = |at: usize| {
+                            let values: Vec<f64> = images.iter().map(|image| value(image, at, channel)).collect();
+                            values.iter().copied().fold(0.0, f64::max) - values.iter().sum::<f64>() / k
+                        };
+                        near(of.mean, means(channel).iter().sum::<f64>() / k);
+                        near(of.variance, phi * variance / k / size.powi(2));
+                        // What Satterthwaite gives, and no fewer than one pixel has.
+                        near(of.freedom, ((k - 1.0) * variance.powi(2) / squares / phi).max(k - 1.0));
+                        // The unbiased third moment of one image, over the images and pixels that the mean is of.
+                        near(of.third, cubes * k / (k - 1.0) / (k - 2.0) / k.powi(2) / size.powi(3));
+                        near(of.event, 7.0 * pixels.iter().map(|at| above(*at)).fold(0.0, f64::max));
+                        let together = side.estimate(cell, channel, Noise { together: true, ..noise });
+                        near(together.variance, of.variance.max(scatter(channel)));
+                        assert_eq!((together.freedom, together.mean), (k - 1.0, of.mean));
+                    }
+                }
+            }
+        }
+    }
+
+    /// The factors are means over cells of the ratios of both variances, tiles of the finest grid and of the one of four.
+    #[test]
+    fn noise_is_the_mean_ratio_of_both_variances() {
+        let plain = disorder(4);
+        let of = |images: &[Image]| {
+            let mut moments = Moments::new(16, 16);
+            images.iter().for_each(|image| moments.add(image).expect("one size"));
+            let side = Side::of(&moments, Images::Held(images), &[false; 256], 1.0).expect("images");
+            let factor = |grid: usize| {
+                let cells = (0..grid * grid).map(|index| Place { grid, index });
+                let noisy = cells.filter(|cell| side.by_pixels(*cell, 3) > 0.0);
+                let ratios: Vec<f64> = noisy.map(|cell| side.by_images(cell, 3) / side.by_pixels(cell, 3)).collect();
+                ratios.iter().sum::<f64>() / ratios.len() as f64
+            };
+            (side.noise(), factor(8), factor(4))
+        };
+        // Each pixel like its neighbor to the right: a tile has two values twice, its variance is twice as large.
+        let mut twin = plain.clone();
+        for image in &mut twin {
+            (0..256).step_by(2).for_each(|at| image.pixels[at + 1] = image.pixels[at]);
+        }
+        // Alternating signs: the sum of a tile does not vary, and no factor is below 1.
+        let mut even = plain.clone();
+        for image in &mut even {
+            (0..256).step_by(2).for_each(|at| image.pixels[at + 1] = image.pixels[at].map(|value| 10.0 - value));
+        }
+        // Each half of the image is brighter in some: larger cells vary more than tiles for their size.
+        let mut swinging = plain.clone();
+        for (at, image) in swinging.iter_mut().enumerate() {
+            image.pixels.iter_mut().flatten().for_each(|value| *value += at as f32);
+        }
+        // Where nothing varies, as in a black half, there is nothing to tell, and the other half tells it alone.
+        let mut half = twin.clone();
+        half.iter_mut().for_each(|image| image.pixels[..128].fill([0.0; 3]));
+        for (images, together) in [(&plain, false), (&twin, false), (&half, false), (&even, false), (&swinging, true)] {
+            let (noise, tiles, cells) = of(images);
+            near(noise.tiles, tiles.max(1.0));
+            near(noise.cells, cells.max(tiles).max(1.0));
+            assert_eq!(noise.together, together, "{noise:?}");
+        }
+        let (noise, ..) = of(&even);
+        assert_eq!((noise.tiles, noise.cells), (1.0, 1.0));
+        for images in [&twin, &half] {
+            assert!((1.5..2.5).contains(&of(images).0.tiles), "{:?}", of(images));
+        }
+        // Without any noise there is nothing to compare.
+        let (noise, ..) = of(&vec![Image::filled(16, 16, [1.0; 3]); 3]);
+        assert_eq!((noise.tiles, noise.cells, noise.together), (1.0, 1.0, false));
+    }
+
+    /// Whole images go up and down together from 1.3 times the 95 % point on: of four images with three degrees 1.3 * 2.605 times the variance
+    /// that tiles tell, which is that of independent pixels times the factor of tiles.
+    #[test]
+    fn images_go_together_from_a_multiple_of_the_quantile_on() {
+        // 64 tiles of one pixel, or of two alike, each +1 or -1 in the images in turn, so that tiles vary and the whole does not; the whole swings
+        // by `by` beside that.
+        let images = |wide: usize, by: f64| -> Vec<Image> {
+            let signs = [[1.0, -1.0, 1.0, -1.0], [1.0, 1.0, -1.0, -1.0]];
+            let pixel = |image: usize, at: usize| {
+                let sign = if (at / wide).is_multiple_of(2) { 1.0 } else { -1.0 } * signs[0][image];
+                [(10.0 + sign + by * signs[1][image]) as f32; 3]
+            };
+            let pixels = |image: usize| (0..64 * wide).map(|at| pixel(image, at)).collect();
+            (0..4).map(|image| Image { width: 8 * wide, height: 8, pixels: pixels(image) }).collect()
+        };
+        let together = |wide: usize, by: f64| {
+            let images = images(wide, by);
+            let mut moments = Moments::new(8 * wide, 8);
+            images.iter().for_each(|image| moments.add(image).expect("one size"));
+            let mask = vec![false; 64 * wide];
+            let noise = Side::of(&moments, Images::Held(&images), &mask, 1.0).expect("images").noise();
+            near(noise.tiles, wide as f64);
+            noise.together
+        };
+        // Variance of the whole by images: by^2; by tiles: (1 + by^2) / 64. The bound 3.386 = 64 by^2 / (1 + by^2) is met at by = 0.2364.
+        for wide in [1, 2] {
+            assert!(!together(wide, 0.233) && together(wide, 0.24), "{wide}");
+        }
+    }
+
+    #[test]
+    fn one_image_has_no_noise() {
+        let image = disorder(1);
+        let mut moments = Moments::new(16, 16);
+        moments.add(&image[0]).expect("one size");
+        let side = Side::of(&moments, Images::Held(&image), &[false; 256], 1.0).expect("images");
+        let (noise, whole) = (side.noise(), Place { grid: 1, index: 0 });
+        assert!(side.is_exact() && (noise.tiles, noise.cells, noise.together) == (1.0, 1.0, false));
+        let of = side.estimate(whole, 1, noise);
+        assert_eq!((of.variance, of.third, of.event, of.freedom), (0.0, 0.0, 0.0, f64::INFINITY));
+        near(of.mean, (0..256).map(|at| value(&image[0], at, 1)).sum::<f64>() / 256.0);
+        let mut two = Moments::new(16, 16);
+        disorder(2).iter().for_each(|image| two.add(image).expect("one size"));
+        assert!(!Side::of_moments(&two, &[false; 256], 1.0, noise).is_exact());
+        let known = Noise { tiles: 3.0, cells: 4.0, together: true };
+        let told = Side::of_moments(&two, &[false; 256], 1.0, known).noise();
+        assert_eq!((told.tiles, told.cells, told.together), (3.0, 4.0, true));
+    }
 }

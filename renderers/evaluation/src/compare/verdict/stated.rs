@@ -82,4 +82,39 @@ mod tests {
         assert_eq!(of(0.25, 0.691), (Outcome::Differ, false), "darker than is stated");
         assert_eq!(of(0.01, 1.2), (Outcome::Undecided, true), "as dark as it likes");
     }
+
+    /// What is off by a half may be the darker one: it is off by all of itself.
+    #[test]
+    fn shares_of_the_right_value_become_shares_of_the_darker() {
+        for (share, of_darker) in [(0.0, 0.0), (0.2, 0.25), (0.5, 1.0), (0.75, 3.0), (0.99, 99.0), (2.0, 200.0)] {
+            assert!((against_the_darker(share) - of_darker).abs() < 1e-9, "{share}");
+        }
+    }
+
+    /// What is asked of the judge: both tolerances and the same more of each.
+    #[test]
+    fn both_tolerances_grow_by_the_same() {
+        let asked = std::cell::RefCell::new(Vec::new());
+        let flat = vec![Image::filled(8, 8, [1.0; 3]); 3];
+        let twice = vec![Image::filled(8, 8, [2.0; 3]); 3];
+        let side = |images| Rendered { images: Images::Held(images), samples: 1.0 };
+        let of = |more: f64| {
+            asked.borrow_mut().clear();
+            let judged = |tolerance: Tolerance| {
+                asked.borrow_mut().push((tolerance.tiles, tolerance.whole));
+                judge(side(&flat), side(&twice), tolerance)
+            };
+            let (verdict, excused) =
+                judge_stated(judged, Tolerance { tiles: 0.25, whole: 0.125 }, more).expect("a verdict");
+            (verdict.outcome, verdict.tolerance.tiles, excused)
+        };
+        assert_eq!(of(0.0625), (Outcome::Differ, 0.3125, false));
+        assert_eq!(*asked.borrow(), [(0.3125, 0.1875)]);
+        assert_eq!(of(MOST_STATED), (Outcome::Differ, 0.25 + MOST_STATED, false), "no more than agreement allows");
+        assert_eq!(asked.borrow().len(), 1);
+        // Half of the right value is as much as the darker one, and images that differ by all of it are excused.
+        assert_eq!(of(0.5), (Outcome::Undecided, 0.25 + MOST_STATED, true));
+        assert_eq!(*asked.borrow(), [(0.25 + MOST_STATED, 0.125 + MOST_STATED), (1.25, 1.125)]);
+        assert_eq!(of(0.25), (Outcome::Differ, 0.25 + 1.0 / 3.0, false), "by more than is stated");
+    }
 }

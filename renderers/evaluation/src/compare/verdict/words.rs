@@ -113,3 +113,96 @@ fn rounded(samples: f64) -> String {
     let scale = 10_f64.powf(samples.log10().floor() - 1.0).max(1.0);
     format!("{:.0}", (samples / scale).ceil() * scale)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Needed, Tolerance};
+    use super::*;
+
+    fn verdict(outcome: Outcome) -> Verdict {
+        let channel = |ratio| Channel { ratio, error: 0.001_23 };
+        Verdict {
+            outcome,
+            tolerance: Tolerance { tiles: 0.05, whole: 0.01 },
+            images: (4, 4),
+            channels: [channel(Some(1.0)), channel(Some(0.987_654)), channel(None)],
+            worst: Cell { grid: 2, at: (1, 0), channel: 1, ratio: Some(1.25), z: -5.25 },
+            tiles: vec![Outcome::Agree; 4],
+            differing: 0,
+            needed: None,
+            rare: 0,
+            together: (false, false),
+            masked: 0,
+        }
+    }
+
+    fn told(verdict: &Verdict) -> Told<'_> {
+        Told { verdict, stated: &[], excused: false }
+    }
+
+    #[test]
+    fn proofs_are_told_in_words() {
+        let agreed = verdict(Outcome::Agree);
+        assert_eq!(told(&agreed).proof(), "within 5.0 % in each of 4 tiles, 1.0 % in the whole");
+        assert_eq!(told(&agreed).channels(), "1.0000 +- 0.0012, 0.9877 +- 0.0012, -");
+        assert_eq!(told(&agreed).blame(), "green of tile 1, 0: 1.2500, z -5.2");
+        let differs = |grid: usize, channel: usize, ratio: Option<f64>| {
+            let mut verdict = verdict(Outcome::Differ);
+            verdict.worst = Cell { grid, at: (1, 0), channel, ratio, z: 6.0 };
+            told(&verdict).proof()
+        };
+        assert_eq!(differs(2, 1, Some(1.25)), "green of tile 1, 0: 1.2500, z 6.0, by more than 5.0 %");
+        assert_eq!(differs(1, 0, Some(0.5)), "red of the whole image: 0.5000, z 6.0, by more than 1.0 %");
+        assert_eq!(
+            differs(4, 2, None),
+            "blue of cell 1, 0 of 4 x 4: light where A is black, z 6.0, by more than 5.0 %"
+        );
+        let open = verdict(Outcome::Undecided);
+        assert_eq!(
+            Told { excused: true, ..told(&open) }.proof(),
+            "green of tile 1, 0: 1.2500, by more than 5.0 % in each of 4 tiles, 1.0 % in the whole, which the targets state"
+        );
+    }
+
+    #[test]
+    fn what_is_open_and_what_would_decide_it_is_told() {
+        let open = |tiles: &[Outcome], needed: Option<(Option<f64>, Option<f64>)>| {
+            let mut verdict = verdict(Outcome::Undecided);
+            verdict.tiles[..tiles.len()].copy_from_slice(tiles);
+            verdict.needed = needed.map(|(half, most)| Needed { half, most, tile: None });
+            let text = told(&verdict).proof();
+            text.replace(" not within 5.0 % in each of 4 tiles, 1.0 % in the whole", "")
+        };
+        use Outcome::{Differ, Undecided};
+        assert_eq!((open(&[], None), open(&[Undecided], None)), ("0 tiles".to_owned(), "1 tile".to_owned()));
+        assert_eq!(open(&[Undecided, Differ], None), "2 tiles");
+        let never = "1 tile; if they are equal, ten thousand times the samples would not show it";
+        assert_eq!(open(&[Undecided], Some((None, None))), never);
+        let half = "1 tile; if they are equal, 1300 samples per pixel would show it in one of two cases";
+        assert_eq!(open(&[Undecided], Some((Some(1234.0), None))), half);
+        assert_eq!(open(&[Undecided], Some((Some(1234.0), Some(5001.0)))), format!("{half}, 5100 in nine of ten"));
+        for (samples, text) in
+            [(0.3, "1"), (5.0, "5"), (9.1, "10"), (12.0, "12"), (99.2, "100"), (100.0, "100"), (123_456.0, "130000")]
+        {
+            assert_eq!(rounded(samples), text, "{samples}");
+        }
+    }
+
+    #[test]
+    fn notes_say_what_else_there_is() {
+        let of = |rare: usize, together: (bool, bool), masked: usize| {
+            told(&Verdict { rare, together, masked, ..verdict(Outcome::Agree) }).notes()
+        };
+        assert!(of(0, (false, false), 0).is_empty());
+        assert_eq!(of(1, (false, false), 0), ["1 tile agrees beside rare bright samples that it has not met"]);
+        assert_eq!(of(2, (false, false), 0), ["2 tiles agree beside rare bright samples that they have not met"]);
+        for together in [(true, false), (false, true), (true, true)] {
+            assert_eq!(of(0, together, 0), ["whole images go up and down together"]);
+        }
+        assert_eq!(of(0, (false, false), 1), ["1 pixel left out: not finite, or a light seen directly"]);
+        assert_eq!(of(0, (false, false), 2), ["2 pixels left out: not finite, or a light seen directly"]);
+        let stated = [Stated { by: "pbrt".to_owned(), what: "glass".to_owned(), share: 0.025 }];
+        let verdict = verdict(Outcome::Agree);
+        assert_eq!(Told { stated: &stated, ..told(&verdict) }.notes(), ["pbrt states up to 2.5 % for glass"]);
+    }
+}

@@ -86,7 +86,8 @@ impl Shared {
                 made => Some(made.map(|()| (folder, name))),
             })
             .unwrap_or_else(|| Err(io::ErrorKind::AlreadyExists.into()))?;
-        let lock = File::options().create(true).append(true).open(folder.join(LOCK))?;
+        // Windows locks no file that is open only to be added to.
+        let lock = File::options().read(true).create(true).append(true).open(folder.join(LOCK))?;
         // On a system of files without locks other runs leave this one alone.
         let _held = lock.try_lock();
         write_whole(&folder.join(SCRIPT), &mut |out| out.write_all(script(program).as_bytes()))?;
@@ -114,11 +115,11 @@ impl Shared {
         let mut found = Vec::new();
         for entry in fs::read_dir(self.runs())? {
             let (folder, name) = entry.map(|entry| (entry.path(), entry.file_name().to_string_lossy().into_owned()))?;
-            let lock = match File::options().append(true).open(folder.join(LOCK)) {
+            let lock = match File::options().read(true).append(true).open(folder.join(LOCK)) {
                 Ok(lock) => lock,
                 // It was killed before it had one.
                 Err(error) if error.kind() == io::ErrorKind::NotFound => {
-                    File::options().create(true).append(true).open(folder.join(LOCK))?
+                    File::options().read(true).create(true).append(true).open(folder.join(LOCK))?
                 }
                 Err(error) => return Err(error),
             };
