@@ -14,6 +14,7 @@ mod endless;
 mod eval;
 mod evaluation_file;
 mod files;
+mod firefox;
 mod fixes;
 mod format;
 mod gallery;
