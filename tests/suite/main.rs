@@ -41,6 +41,7 @@ mod render;
 mod said;
 mod scale;
 mod seeds;
+mod serve;
 mod signals;
 mod similar;
 mod slurm;
