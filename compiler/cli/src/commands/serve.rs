@@ -100,6 +100,15 @@ struct Request {
     range: Option<String>,
 }
 
+/// A file that is given.
+struct Found {
+    file: File,
+    kind: &'static str,
+    size: u64,
+    /// The part that is asked for, which is not empty; nothing where all is meant.
+    part: Option<Range<u64>>,
+}
+
 /// What is answered where no file is.
 struct Refusal {
     status: &'static str,
@@ -132,7 +141,7 @@ impl Served {
             None => Err(Refusal::of("400 Bad Request")),
         };
         let head_only = request.as_ref().is_some_and(|request| request.method == "HEAD");
-        let (mut file, kind, size, range) = match found {
+        let Found { mut file, kind, size, part } = match found {
             Ok(found) => found,
             Err(Refusal { status, more }) => {
                 let body = if head_only { String::new() } else { format!("{status}\n") };
@@ -143,16 +152,16 @@ impl Served {
                 return stream.write_all((head + &body).as_bytes());
             }
         };
-        let (status, part) = match &range {
+        let (status, place) = match &part {
             Some(range) => {
                 ("206 Partial Content", format!("Content-Range: bytes {}-{}/{size}\r\n", range.start, range.end - 1))
             }
             None => ("200 OK", String::new()),
         };
-        let range = range.unwrap_or(0..size);
+        let range = part.unwrap_or(0..size);
         let length = range.end - range.start;
         let head = format!(
-            "HTTP/1.1 {status}\r\n{part}{ALWAYS}Accept-Ranges: bytes\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\n\r\n"
+            "HTTP/1.1 {status}\r\n{place}{ALWAYS}Accept-Ranges: bytes\r\nContent-Type: {kind}\r\nContent-Length: {length}\r\n\r\n"
         );
         stream.write_all(head.as_bytes())?;
         if head_only {
@@ -162,8 +171,7 @@ impl Served {
         io::copy(&mut file.take(length), &mut stream).map(drop)
     }
 
-    /// The file that is asked for, its type, its size, and the part of it.
-    fn find(&self, request: &Request) -> Result<(File, &'static str, u64, Option<Range<u64>>), Refusal> {
+    fn find(&self, request: &Request) -> Result<Found, Refusal> {
         if !matches!(request.method.as_str(), "GET" | "HEAD") {
             let more = "Allow: GET, HEAD\r\n".to_owned();
             return Err(Refusal { status: "405 Method Not Allowed", more });
@@ -189,12 +197,12 @@ impl Served {
         let (file, size) = self.files.open(&path).map_err(|_| missing())?;
         let ending = path.extension();
         let kind = TYPES.iter().find(|(one, _)| *one == ending).map_or("application/octet-stream", |(_, kind)| *kind);
-        let range = request.range.as_deref().and_then(|text| part(text, size));
-        if range.as_ref().is_some_and(Range::is_empty) {
+        let part = request.range.as_deref().and_then(|text| part(text, size));
+        if part.as_ref().is_some_and(Range::is_empty) {
             let more = format!("Content-Range: bytes */{size}\r\n");
             return Err(Refusal { status: "416 Range Not Satisfiable", more });
         }
-        Ok((file, kind, size, range))
+        Ok(Found { file, kind, size, part })
     }
 }
 
