@@ -1,5 +1,5 @@
-//! A headless Chromium, driven by its protocol: a small client that opens a page, runs scripts in it, presses keys, and notes what the
-//! page complains about and asks the network for.
+//! A headless browser, driven by its protocol: a small client that opens a page, runs scripts in it, presses keys, and notes what the
+//! page complains about and asks the network for. Here is what Chromium is told; `firefox` has what differs in Firefox.
 
 use std::io::ErrorKind;
 use std::net::TcpStream;
@@ -14,18 +14,17 @@ use serde_json::{Value, json};
 use tungstenite::protocol::WebSocketConfig;
 use tungstenite::{Message, WebSocket};
 
-use super::skip;
+use super::{firefox, skip};
 
 /// How long anything may take.
-const PATIENCE: Duration = Duration::from_secs(120);
+pub const PATIENCE: Duration = Duration::from_secs(120);
 
 /// A browser with one open page. It ends with the value.
 pub struct Browser {
-    child: Child,
-    socket: WebSocket<TcpStream>,
-    session: String,
-    next: u64,
-    events: Vec<Value>,
+    children: Vec<Child>,
+    pub wire: Wire,
+    /// The page in Firefox; nothing in Chromium.
+    firefox: Option<String>,
     _profile: tempfile::TempDir,
     /// One at a time: each draws with all processors.
     _alone: MutexGuard<'static, ()>,
@@ -33,20 +32,100 @@ pub struct Browser {
 
 static ALONE: Mutex<()> = Mutex::new(());
 
-/// The program, where the system has one.
-fn program() -> Option<PathBuf> {
-    if let Some(named) = std::env::var_os("LTSC_CHROMIUM") {
+/// A program, where the system has it by one of these names, or the variable names it.
+pub fn program(variable: &str, names: &[&str]) -> Option<PathBuf> {
+    if let Some(named) = std::env::var_os(variable) {
         return Some(PathBuf::from(named));
     }
     let path = std::env::var_os("PATH")?;
-    let names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
-    std::env::split_paths(&path).flat_map(|folder| names.map(|name| folder.join(name))).find(|file| file.is_file())
+    let files = std::env::split_paths(&path).flat_map(|folder| names.iter().map(move |name| folder.join(name)));
+    files.into_iter().find(|file| file.is_file())
+}
+
+/// Commands to a browser, their answers, and the events that come in between.
+pub struct Wire {
+    socket: WebSocket<TcpStream>,
+    session: String,
+    next: u64,
+    events: Vec<Value>,
+}
+
+impl Wire {
+    pub fn connect(port: u64, path: &str) -> Self {
+        let stream = TcpStream::connect(format!("127.0.0.1:{port}")).expect("the browser listens");
+        stream.set_read_timeout(Some(PATIENCE)).expect("a socket");
+        // Answers hold whole images.
+        let config = WebSocketConfig::default().max_message_size(None).max_frame_size(None);
+        let address = format!("ws://127.0.0.1:{port}{path}");
+        let (socket, _) = tungstenite::client::client_with_config(address, stream, Some(config)).expect("a connection");
+        Self { socket, session: String::new(), next: 0, events: Vec::new() }
+    }
+
+    /// Sends a command and waits for its answer.
+    pub fn send(&mut self, method: &str, params: Value) -> Value {
+        self.next += 1;
+        let mut message = json!({ "id": self.next, "method": method, "params": params });
+        if !self.session.is_empty() {
+            message["sessionId"] = json!(self.session);
+        }
+        self.socket.send(Message::text(message.to_string())).expect("the browser hears");
+        loop {
+            let answer = self.receive();
+            if answer["id"] == json!(self.next) {
+                assert!(answer["error"].is_null(), "{method}: {answer}");
+                return answer["result"].clone();
+            }
+            self.events.push(answer);
+        }
+    }
+
+    fn receive(&mut self) -> Value {
+        loop {
+            match self.socket.read() {
+                Ok(Message::Text(text)) => return serde_json::from_str(text.as_str()).expect("JSON"),
+                Ok(_) => {}
+                Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::Interrupted => {}
+                Err(error) => panic!("the browser is gone: {error}"),
+            }
+        }
+    }
+}
+
+/// Waits for what a browser writes into its profile.
+pub fn wait<T>(look: impl Fn() -> Option<T>) -> T {
+    let start = Instant::now();
+    loop {
+        if let Some(found) = look() {
+            return found;
+        }
+        assert!(start.elapsed() < PATIENCE, "the browser does not say where it listens");
+        std::thread::sleep(Duration::from_millis(20));
+    }
 }
 
 impl Browser {
-    /// Starts one with a window of this size; nothing, and a word about it, where there is none.
+    /// Each browser in its turn, for tests that run in all; a word about those that are not there.
+    pub fn each(test: &str, size: (u32, u32)) -> impl Iterator<Item = Self> {
+        let start = [Self::start, Self::firefox];
+        start.into_iter().filter_map(move |start| start(test, size))
+    }
+
+    /// Firefox with a window of this size; nothing, and a word about it, where there is none.
+    fn firefox(test: &str, size: (u32, u32)) -> Option<Self> {
+        let Some(programs) = firefox::programs() else {
+            skip(test, "Firefox and Xvfb");
+            return None;
+        };
+        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let profile = tempfile::tempdir().expect("a folder");
+        let (children, wire, page) = firefox::start(&programs, profile.path(), size);
+        Some(Self { children, wire, firefox: Some(page), _profile: profile, _alone: alone })
+    }
+
+    /// Chromium with a window of this size; nothing, and a word about it, where there is none.
     pub fn start(test: &str, (width, height): (u32, u32)) -> Option<Self> {
-        let Some(program) = program() else {
+        let names = ["chromium", "chromium-browser", "google-chrome", "google-chrome-stable"];
+        let Some(program) = program("LTSC_CHROMIUM", &names) else {
             skip(test, "Chromium");
             return None;
         };
@@ -69,29 +148,17 @@ impl Browser {
             .spawn()
             .expect("the browser starts");
         let place = profile.path().join("DevToolsActivePort");
-        let start = Instant::now();
-        let (port, path) = loop {
+        let (port, path) = wait(|| {
             let text = std::fs::read_to_string(&place).unwrap_or_default();
-            if let Some((port, path)) = text.split_once('\n')
-                && path.starts_with("/devtools/")
-            {
-                break (port.to_owned(), path.trim().to_owned());
-            }
-            assert!(start.elapsed() < PATIENCE, "the browser does not say where it listens");
-            std::thread::sleep(Duration::from_millis(20));
-        };
-        let stream = TcpStream::connect(format!("127.0.0.1:{port}")).expect("the browser listens");
-        stream.set_read_timeout(Some(PATIENCE)).expect("a socket");
-        // Answers hold whole images.
-        let config = WebSocketConfig::default().max_message_size(None).max_frame_size(None);
-        let address = format!("ws://127.0.0.1:{port}{path}");
-        let (socket, _) = tungstenite::client::client_with_config(address, stream, Some(config)).expect("a connection");
-        let (session, events) = (String::new(), Vec::new());
-        let mut browser = Self { child, socket, session, next: 0, events, _profile: profile, _alone: alone };
+            let (port, path) = text.split_once('\n').filter(|(_, path)| path.starts_with("/devtools/"))?;
+            Some((port.parse().ok()?, path.trim().to_owned()))
+        });
+        let wire = Wire::connect(port, &path);
+        let mut browser = Self { children: vec![child], wire, firefox: None, _profile: profile, _alone: alone };
         let target = browser.send("Target.createTarget", json!({ "url": "about:blank" }));
         let attached =
             browser.send("Target.attachToTarget", json!({ "targetId": target["targetId"], "flatten": true }));
-        browser.session = attached["sessionId"].as_str().expect("a session").to_owned();
+        browser.wire.session = attached["sessionId"].as_str().expect("a session").to_owned();
         for domain in ["Page", "Runtime", "Log", "Network"] {
             browser.send(&format!("{domain}.enable"), json!({}));
         }
@@ -100,32 +167,15 @@ impl Browser {
         Some(browser)
     }
 
-    /// Sends a command and waits for its answer; events that come in between are kept.
+    /// Sends a command of Chromium's protocol and waits for its answer.
     pub fn send(&mut self, method: &str, params: Value) -> Value {
-        self.next += 1;
-        let mut message = json!({ "id": self.next, "method": method, "params": params });
-        if !self.session.is_empty() {
-            message["sessionId"] = json!(self.session);
-        }
-        self.socket.send(Message::text(message.to_string())).expect("the browser hears");
-        loop {
-            let answer = self.receive();
-            if answer["id"] == json!(self.next) {
-                assert!(answer["error"].is_null(), "{method}: {}", answer["error"]);
-                return answer["result"].clone();
-            }
-            self.events.push(answer);
-        }
+        self.wire.send(method, params)
     }
 
-    fn receive(&mut self) -> Value {
-        loop {
-            match self.socket.read() {
-                Ok(Message::Text(text)) => return serde_json::from_str(text.as_str()).expect("JSON"),
-                Ok(_) => {}
-                Err(tungstenite::Error::Io(error)) if error.kind() == ErrorKind::Interrupted => {}
-                Err(error) => panic!("the browser is gone: {error}"),
-            }
+    fn navigate(&mut self, url: &str) {
+        match &self.firefox {
+            Some(page) => firefox::navigate(&mut self.wire, page, url),
+            None => drop(self.send("Page.navigate", json!({ "url": url }))),
         }
     }
 
@@ -133,15 +183,23 @@ impl Browser {
     pub fn open(&mut self, file: &Path, hash: &str) {
         let file = file.canonicalize().expect("a page");
         let plain = file.to_str().expect("a name in UTF-8").replace('%', "%25").replace('#', "%23").replace('?', "%3f");
+        self.visit(&format!("file://{plain}{hash}"));
+    }
+
+    /// Opens one by its address.
+    pub fn visit(&mut self, url: &str) {
         // Another part behind `#` alone would not load the page anew.
-        self.send("Page.navigate", json!({ "url": "about:blank" }));
-        self.send("Page.navigate", json!({ "url": format!("file://{plain}{hash}") }));
+        self.navigate("about:blank");
+        self.navigate(url);
         self.until("typeof ltsc !== 'undefined' && ltsc.ready === true");
         self.settle();
     }
 
     /// The value of an expression, or of what it promises.
     pub fn eval(&mut self, expression: &str) -> Value {
+        if let Some(page) = &self.firefox {
+            return firefox::eval(&mut self.wire, page, expression);
+        }
         let params =
             json!({ "expression": expression, "awaitPromise": true, "returnByValue": true, "userGesture": true });
         let result = self.send("Runtime.evaluate", params);
@@ -204,15 +262,24 @@ impl Browser {
         if key.len() == 1 && key.chars().all(char::is_uppercase) {
             modifiers |= 8;
         }
-        for kind in ["keyDown", "keyUp"] {
-            let params = json!({ "type": kind, "key": key, "code": code, "modifiers": modifiers });
-            self.send("Input.dispatchKeyEvent", params);
+        match &self.firefox {
+            Some(page) => firefox::key(&mut self.wire, page, key, modifiers),
+            None => {
+                for kind in ["keyDown", "keyUp"] {
+                    let params = json!({ "type": kind, "key": key, "code": code, "modifiers": modifiers });
+                    self.send("Input.dispatchKeyEvent", params);
+                }
+            }
         }
         self.settle();
     }
 
     /// A pointer that is pressed, moved along these places, and let go; the wheel where there is one place and `wheel` is not 0.
     pub fn pointer(&mut self, places: &[(f64, f64)], modifiers: u32, wheel: f64) {
+        if let Some(page) = &self.firefox {
+            firefox::pointer(&mut self.wire, page, places, modifiers, wheel);
+            return self.settle();
+        }
         let mut mouse = |kind: &str, (x, y): (f64, f64), buttons: u32| {
             let params = json!({
                 "type": kind, "x": x, "y": y, "button": if buttons > 0 || kind == "mouseReleased" { "left" } else { "none" },
@@ -246,37 +313,46 @@ impl Browser {
                 "Log.entryAdded" if matches!(params["entry"]["level"].as_str(), Some("error" | "warning")) => {
                     Some(params["entry"].to_string())
                 }
+                "log.entryAdded" if matches!(params["level"].as_str(), Some("error" | "warn")) => {
+                    Some(params["text"].to_string())
+                }
                 _ => None,
             }
         };
         // That reading pixels is slow is told of what the tests do.
         let own = |text: &String| text.contains("GPU stall due to ReadPixels") || text.contains("willReadFrequently");
-        self.events.iter().filter_map(words).filter(|text| !own(text)).collect()
+        self.wire.events.iter().filter_map(words).filter(|text| !own(text)).collect()
+    }
+
+    /// Addresses that were asked for. Firefox does not tell of those of the disk.
+    fn asked(&self) -> impl Iterator<Item = &str> {
+        let sent = ["Network.requestWillBeSent", "network.beforeRequestSent"];
+        let events = self.wire.events.iter().filter(move |event| sent.iter().any(|name| event["method"] == *name));
+        events.filter_map(|event| event["params"]["request"]["url"].as_str())
     }
 
     /// Addresses that were asked for and are no files of the disk and nothing of the page itself.
     pub fn requests(&self) -> Vec<String> {
-        let sent = self.events.iter().filter(|event| event["method"] == "Network.requestWillBeSent");
-        let urls = sent.filter_map(|event| event["params"]["request"]["url"].as_str().map(str::to_owned));
         let own = ["file://", "data:", "blob:", "about:blank"];
-        urls.filter(|url| !own.iter().any(|start| url.starts_with(start))).collect()
+        self.asked().filter(|url| !own.iter().any(|start| url.starts_with(start))).map(str::to_owned).collect()
     }
 
     /// Files that were asked for whose names hold a word.
     pub fn files(&self, word: &str) -> usize {
-        let sent = self.events.iter().filter(|event| event["method"] == "Network.requestWillBeSent");
-        sent.filter(|event| event["params"]["request"]["url"].as_str().is_some_and(|url| url.contains(word))).count()
+        self.asked().filter(|url| url.contains(word)).count()
     }
 
     /// Forgets what was noted.
     pub fn forget(&mut self) {
-        self.events.clear();
+        self.wire.events.clear();
     }
 }
 
 impl Drop for Browser {
     fn drop(&mut self) {
-        let _gone = self.child.kill();
-        let _ended = self.child.wait();
+        for child in &mut self.children {
+            let _gone = child.kill();
+            let _ended = child.wait();
+        }
     }
 }

@@ -97,6 +97,7 @@ fn nothing_is_wrong_with_shipped_evaluations() {
         ("minimal.toml", 1, 0),
         ("parameter_types.toml", 3, 2),
         ("sweep.toml", 10, 5),
+        ("thesis.toml", 33, 22),
         ("together.toml", 10, 6),
         ("worked.toml", 13, 10),
     ];

@@ -56,9 +56,13 @@ fn quiet(browser: &mut Browser) {
 fn every_map_has_the_values_that_are_computed_here() {
     let stage = Stage::real();
     let index = stage.report("real");
-    let Some(mut browser) = Browser::start("every_map_has_the_values_that_are_computed_here", WINDOW) else { return };
-    browser.open(&index, &view(""));
-    let (a, b) = sides(&stage);
+    Browser::each("every_map_has_the_values_that_are_computed_here", WINDOW)
+        .for_each(|browser| maps(browser, &stage, &index));
+}
+
+fn maps(mut browser: Browser, stage: &Stage, index: &Path) {
+    browser.open(index, &view(""));
+    let (a, b) = sides(stage);
     let pair = Pair::new(&a, &b).expect("a pair");
     assert_eq!(browser.eval("ltsc.gpu.start()"), true, "WebGL is there");
     for map in MAPS {
@@ -122,12 +126,15 @@ fn shows(browser: &mut Browser, image: (usize, usize), wanted: impl Fn(usize, us
 fn what_is_drawn_is_what_is_said() {
     let stage = Stage::real();
     let index = stage.report("real");
-    let Some(mut browser) = Browser::start("what_is_drawn_is_what_is_said", WINDOW) else { return };
-    let (a, b) = sides(&stage);
+    Browser::each("what_is_drawn_is_what_is_said", WINDOW).for_each(|browser| drawn(browser, &stage, &index));
+}
+
+fn drawn(mut browser: Browser, stage: &Stage, index: &Path) {
+    let (a, b) = sides(stage);
     let size = (a.width, a.height);
     let luminance = |[r, g, b]: [f32; 3]| 0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b);
     for cpu in [0, 1] {
-        browser.open(&index, &view(&format!("&cpu={cpu}&ev=1&zoom=8&mev=2")));
+        browser.open(index, &view(&format!("&cpu={cpu}&ev=1&zoom=8&mev=2")));
         let color = |image: &Image, x, y, gain: f64| image.at(x, y).map(|value| srgb(f64::from(value) * gain));
         shows(&mut browser, size, |x, y| color(&b, x, y, 2.0), "B, a stop brighter");
         browser.key(" ");
@@ -183,8 +190,12 @@ fn what_is_drawn_is_what_is_said() {
 fn keys_pointers_and_links_do_what_the_sheet_says() {
     let stage = Stage::real();
     let index = stage.report("real");
-    let Some(mut browser) = Browser::start("keys_pointers_and_links_do_what_the_sheet_says", WINDOW) else { return };
-    browser.open(&index, &view(""));
+    Browser::each("keys_pointers_and_links_do_what_the_sheet_says", WINDOW)
+        .for_each(|browser| keys(browser, &stage, &index));
+}
+
+fn keys(mut browser: Browser, stage: &Stage, index: &Path) {
+    browser.open(index, &view(""));
     let state = |browser: &mut Browser, name: &str| browser.eval(&format!("ltsc.state.now.{name}"));
     // Images by digits and arrows, of A with Shift.
     browser.key("Digit3");
@@ -233,7 +244,7 @@ fn keys_pointers_and_links_do_what_the_sheet_says() {
     browser.pointer(&[(400.0, 300.0), (400.0, 300.0)], 0, 0.0);
     let pin = state(&mut browser, "pin");
     assert_eq!(pin, json!([moved.0.floor() as i64, moved.1.floor() as i64]));
-    let (a, b) = sides(&stage);
+    let (a, b) = sides(stage);
     let (x, y) = (moved.0 as usize, moved.1 as usize);
     let table = browser.text("document.querySelector('table.values').textContent");
     let shown = browser.text(&format!("ltsc.number({}, 4)", b.at(x, y)[1]));
@@ -250,10 +261,10 @@ fn keys_pointers_and_links_do_what_the_sheet_says() {
     browser.settle();
     browser.until("location.hash === ltsc.state.link()");
     let (link, whole) = (browser.text("location.hash"), browser.eval("({ ...ltsc.state.now })"));
-    browser.open(&index, &link);
+    browser.open(index, &link);
     assert_eq!(browser.eval("({ ...ltsc.state.now })"), whole);
     // What an address says wrongly is not taken.
-    browser.open(&index, "#view?scene=nowhere&a=x&b=y&map=z&zoom=abc&ev=1e99&line=1,2&layout=%3Cb%3E");
+    browser.open(index, "#view?scene=nowhere&a=x&b=y&map=z&zoom=abc&ev=1e99&line=1,2&layout=%3Cb%3E");
     assert_eq!(state(&mut browser, "ev"), 40.0);
     assert_eq!(
         [state(&mut browser, "layout"), state(&mut browser, "map"), state(&mut browser, "line")],

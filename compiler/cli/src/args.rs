@@ -14,7 +14,7 @@ use clap::{ArgMatches, Args, CommandFactory, FromArgMatches, Parser, Subcommand,
 
 pub use calibrate::Calibrate;
 pub use docs::{Doc, DocFormat, Explain, Manual};
-pub use eval::{Clean, CleanWhen, Eval, Reduce, Report, View};
+pub use eval::{Clean, CleanWhen, Eval, Reduce, Report, Serve, View};
 pub use reference::{Reference, ReferenceAction, ReferenceAdd, ReferenceList};
 
 const EXIT_CODES: &str = "\
@@ -236,6 +236,14 @@ pub enum Command {
         after_help = "Examples:\n  ltsc view a.exr b.exr\n  ltsc view reference.exr 16.exr 64.exr 256.exr -o compared --open"
     )]
     View(View),
+    /// Show a page that was made to browsers of this machine, from an address instead of the disk.
+    ///
+    /// A page needs no server; this is for browsers that may not read the disk, and for machines that are reached through a tunnel. Only
+    /// this machine is answered, files below the folder are all that it can read, and it ends with Ctrl-C.
+    #[command(
+        after_help = "Examples:\n  ltsc serve results/basic --open\n  ltsc serve results/basic --port 8000\n  ssh -L 8000:127.0.0.1:8000 host ltsc serve results/basic --port 8000"
+    )]
+    Serve(Serve),
     /// Remove results of earlier evaluations.
     ///
     /// Nothing but files that ltsc wrote and nobody has changed since is removed, and of each evaluation the newest results stay.

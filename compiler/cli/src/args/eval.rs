@@ -109,6 +109,21 @@ pub struct View {
 }
 
 #[derive(Args, Debug)]
+pub struct Serve {
+    /// The folder of the results, or of a page.
+    #[arg(value_name = "DIR", default_value = ".")]
+    pub folder: PathBuf,
+    /// The port [default: one that is free].
+    #[arg(long, value_name = "N", default_value_t = 0, hide_default_value = true)]
+    pub port: u16,
+    /// Start a browser with the page.
+    #[arg(long)]
+    pub open: bool,
+    #[command(flatten)]
+    pub answer: Answer,
+}
+
+#[derive(Args, Debug)]
 pub struct Clean {
     /// Folders of results, or folders with such folders [default: `results` in this folder].
     #[arg(value_name = "DIR")]

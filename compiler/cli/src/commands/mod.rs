@@ -24,6 +24,7 @@ mod reference;
 mod render;
 mod renderers;
 mod said;
+mod serve;
 mod shared;
 mod similar;
 mod stats;
@@ -53,6 +54,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Reduce(command) => reduce::run(&command),
         Command::Report(command) => page::report(&command),
         Command::View(command) => page::view(&command),
+        Command::Serve(command) => serve::run(&command),
         Command::Clean(command) => clean::run(&command),
         Command::Reference(command) => reference::run(&command),
         Command::Renderers(command) => renderers::run(&command),
@@ -91,6 +93,7 @@ fn format_of(command: &Command) -> Format {
         Command::Reduce(command) => command.findings.format,
         Command::Report(command) => command.answer.format,
         Command::View(command) => command.answer.format,
+        Command::Serve(command) => command.answer.format,
         Command::Clean(command) => command.answer.format,
         Command::Cache(command) => command.format,
         Command::Reference(command) => match &command.action {

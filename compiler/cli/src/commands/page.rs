@@ -1,5 +1,6 @@
 //! `ltsc report` and `ltsc view`: pages for a browser, of folders of results and of loose images.
 
+use std::ffi::OsStr;
 use std::path::Path;
 use std::time::Duration;
 
@@ -77,6 +78,14 @@ pub fn beside(results: &Path, force: bool, open: bool) -> Option<std::path::Path
 
 /// Hands a page to the browser of the system.
 fn show(index: &Path) {
+    // Without links, but where that makes a path that shells of Windows do not know.
+    let real = if cfg!(windows) { std::path::absolute(index) } else { std::fs::canonicalize(index) };
+    let real = real.unwrap_or_else(|_| index.to_path_buf());
+    browse(real.as_os_str(), &from_here(index).to_string());
+}
+
+/// Hands a file or an address to the browser of the system; `name` is what people are told of it.
+pub fn browse(what: &OsStr, name: &str) {
     let (program, before): (&str, &[&str]) = if cfg!(target_os = "macos") {
         ("open", &[])
     } else if cfg!(windows) {
@@ -84,14 +93,11 @@ fn show(index: &Path) {
     } else {
         ("xdg-open", &[])
     };
-    // Without links, but where that makes a path that shells of Windows do not know.
-    let real = if cfg!(windows) { std::path::absolute(index) } else { std::fs::canonicalize(index) };
-    let real = real.unwrap_or_else(|_| index.to_path_buf());
-    let words: Vec<&std::ffi::OsStr> = before.iter().map(std::ffi::OsStr::new).chain([real.as_os_str()]).collect();
+    let words: Vec<&OsStr> = before.iter().map(OsStr::new).chain([what]).collect();
     let why = match client::ask(Path::new(program), &words, PATIENCE) {
         Ok(answer) if answer.ok => return,
         Ok(answer) => answer.words(),
         Err(error) => crate::output::why(&error),
     };
-    terminal::say(&format!("no browser was started ({program}: {why}): open {} in one", from_here(index)));
+    terminal::say(&format!("no browser was started ({program}: {why}): open {name} in one"));
 }

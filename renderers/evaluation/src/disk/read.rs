@@ -1,7 +1,7 @@
 //! [`DiskFiles`] reads below a root, and never outside of it.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
+use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
@@ -29,6 +29,24 @@ impl DiskFiles {
         fs::canonicalize(self.root.join(path.as_str()))
     }
 
+    /// Opens the file at `path` and gives its size, for what is passed on rather than kept.
+    ///
+    /// # Errors
+    /// If it is not there, leads out of the root, or is no regular file.
+    pub fn open(&self, path: &VPath) -> Result<(File, u64), ReadError> {
+        regular::open(&self.inside(path)?).map_err(|error| ReadError::Other(error.to_string()))
+    }
+
+    /// Where the file at `path` lies, without links, if that is below the root.
+    fn inside(&self, path: &VPath) -> Result<PathBuf, ReadError> {
+        let full = self.root.join(path.as_str());
+        let real = fs::canonicalize(&full).map_err(|error| match error.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => ReadError::Missing { beside: beside(&full) },
+            _ => ReadError::Other(error.to_string()),
+        })?;
+        if real.starts_with(&self.root) { Ok(real) } else { Err(ReadError::Outside) }
+    }
+
     /// The path of `file` below the root, if it is there.
     pub fn path_of(&self, file: &Path) -> Option<VPath> {
         // The file itself may be missing: its folder tells where it would be.
@@ -44,16 +62,7 @@ impl DiskFiles {
 
 impl Files for DiskFiles {
     fn read(&self, path: &VPath, limit: u64) -> Result<Bytes, ReadError> {
-        let full = self.root.join(path.as_str());
-        let other = |error: io::Error| match error.kind() {
-            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory => ReadError::Missing { beside: beside(&full) },
-            _ => ReadError::Other(error.to_string()),
-        };
-        let real = fs::canonicalize(&full).map_err(other)?;
-        if !real.starts_with(&self.root) {
-            return Err(ReadError::Outside);
-        }
-        bytes_of(&real, limit)
+        bytes_of(&self.inside(path)?, limit)
     }
 }
 
