@@ -39,6 +39,11 @@ pub fn read(element: &Element, use_of: Use, reader: &mut Reader<'_>) -> Result<C
         },
         "spectrum" if value.contains(':') => Color::Spectrum(Spectrum::new(&points(value)?, use_of.meaning())),
         "spectrum" if element.get("filename").is_some() => return Err("spectra in files are not read yet".to_owned()),
+        // The same at every wavelength, which as light is not the white of the RGB colors (measured with 3.9.1: 1.20, 0.95, 0.91).
+        "spectrum" if use_of == Use::Light => match triple(value)? {
+            Color::Grey(all) => Color::Spectrum(Spectrum::new(&[(360.0, all), (830.0, all)], Meaning::Light)),
+            other => other,
+        },
         "spectrum" | "float" | "integer" => triple(value)?,
         "blackbody" => black_body(element)?,
         other => return Err(format!("`{other}` is no color")),

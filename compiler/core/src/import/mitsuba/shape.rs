@@ -264,7 +264,8 @@ impl Shapes {
                 } else {
                     !plugin.boolean("flip_tex_coords", reader).unwrap_or(false)
                 };
-                let part = plugin.integer("shape_index", reader).filter(|index| *index > 0).map(|index| index.to_string());
+                let part =
+                    plugin.integer("shape_index", reader).filter(|index| *index > 0).map(|index| index.to_string());
                 let mut wanted = Wanted { path, part, shading, flipped, down };
                 let (mut mesh, normals) = to.mesh_file(reader, &wanted, &at)?;
                 // Under a mirroring transform the front of a mesh without normals of its own is where its corners run the other way.

@@ -36,9 +36,13 @@ fn scene(text: &str) -> (Scene, Vec<(String, usize, String)>) {
 
 /// The material of a scene of one.
 fn material(text: &str) -> (Bsdf, Vec<(String, usize, String)>) {
-    let (scene, said) = scene(&format!("<shape type=\"ply\">\n<string name=\"filename\" value=\"a.ply\"/>\n{text}\n</shape>"));
+    let (scene, said) =
+        scene(&format!("<shape type=\"ply\">\n<string name=\"filename\" value=\"a.ply\"/>\n{text}\n</shape>"));
     let bsdf = scene.materials.values().next().expect("a material").bsdf.clone();
-    (bsdf, said.into_iter().filter(|(_, _, message)| !message.contains("camera") && !message.contains("behind")).collect())
+    (
+        bsdf,
+        said.into_iter().filter(|(_, _, message)| !message.contains("camera") && !message.contains("behind")).collect(),
+    )
 }
 
 fn camera(scene: &Scene) -> &Camera {
@@ -93,11 +97,15 @@ fn materials_mean_what_mitsuba_means() {
     };
     assert_eq!(plain("<bsdf type=\"diffuse\"/>"), Bsdf::Diffuse { reflectance: grey(0.5).into() });
     assert_eq!(
-        plain("<bsdf type=\"twosided\"><bsdf type=\"diffuse\"><srgb name=\"reflectance\" value=\"#ff0000\"/></bsdf></bsdf>"),
+        plain(
+            "<bsdf type=\"twosided\"><bsdf type=\"diffuse\"><srgb name=\"reflectance\" value=\"#ff0000\"/></bsdf></bsdf>"
+        ),
         Bsdf::Diffuse { reflectance: Color::Rgb([1.0, 0.0, 0.0]).into() }
     );
     assert_eq!(
-        plain("<bsdf type=\"dielectric\"><string name=\"intIOR\" value=\"water\"/><float name=\"extIOR\" value=\"1\"/></bsdf>"),
+        plain(
+            "<bsdf type=\"dielectric\"><string name=\"intIOR\" value=\"water\"/><float name=\"extIOR\" value=\"1\"/></bsdf>"
+        ),
         Bsdf::Dielectric { interior: 1.333, exterior: 1.0, alpha: 0.0 }
     );
     assert_eq!(
@@ -132,7 +140,12 @@ fn what_is_not_read_is_said_at_its_place() {
     said("<bsdf type=\"hair\"/>", "loss-dropped", 4, "`hair`");
     said("<bsdf type=\"diffuse\">\n<float name=\"shine\" value=\"1\"/></bsdf>", "loss-dropped", 5, "shine");
     said("<bsdf type=\"roughconductor\"/>", "loss-approximated", 4, "beckmann");
-    said("<bsdf type=\"mask\"><float name=\"opacity\" value=\"0.4\"/><bsdf type=\"diffuse\"/></bsdf>", "loss-dropped", 4, "opacity");
+    said(
+        "<bsdf type=\"mask\"><float name=\"opacity\" value=\"0.4\"/><bsdf type=\"diffuse\"/></bsdf>",
+        "loss-dropped",
+        4,
+        "opacity",
+    );
     said("<bsdf type=\"bumpmap\"><bsdf type=\"diffuse\"/></bsdf>", "loss-dropped", 4, "bump");
     said("<ref id=\"nobody\"/>", "unknown-name", 4, "nobody");
     said("<medium name=\"interior\" type=\"homogeneous\"/>", "loss-dropped", 4, "medium");
@@ -176,6 +189,22 @@ fn lights_are_what_they_are() {
 }
 
 #[test]
+fn one_number_of_a_spectrum_means_what_its_version_means() {
+    let of = |version: &str| {
+        let text = format!(
+            "<scene version=\"{version}\"><emitter type=\"constant\"><spectrum name=\"radiance\" value=\"2\"/></emitter></scene>"
+        );
+        let (imported, _) = read(&[("s.xml", &text)], &[]);
+        let scene = imported.scene.expect("a scene");
+        scene.lights.values().next().expect("a light").kind.color().rgb()
+    };
+    assert_eq!(of("0.5.0"), [2.0; 3]);
+    // Light of equal energy in sRGB: 1.2048, 0.9483, 0.9088 (CIE 1931).
+    let [r, g, b] = of("3.0.0");
+    assert!((r - 2.4096).abs() < 0.01 && (g - 1.8966).abs() < 0.01 && (b - 1.8176).abs() < 0.01, "{r} {g} {b}");
+}
+
+#[test]
 fn groups_are_placed_and_shared() {
     let (scene, said) = scene(
         "<shape type=\"instance\"><ref id=\"g\"/><transform name=\"toWorld\"><translate x=\"3\"/></transform></shape>
@@ -203,8 +232,10 @@ fn a_mirroring_transform_turns_the_front_of_a_mesh_without_normals() {
 
 #[test]
 fn included_files_and_values_are_put_in_place() {
-    let main = "<scene version=\"0.5.0\"><default name=\"depth\" value=\"4\"/><include filename=\"parts/more.xml\"/></scene>";
-    let more = "<scene version=\"0.5.0\"><integrator type=\"$kind\"><integer name=\"maxDepth\" value=\"$depth\"/></integrator>
+    let main =
+        "<scene version=\"0.5.0\"><default name=\"depth\" value=\"4\"/><include filename=\"parts/more.xml\"/></scene>";
+    let more =
+        "<scene version=\"0.5.0\"><integrator type=\"$kind\"><integer name=\"maxDepth\" value=\"$depth\"/></integrator>
         <bsdf type=\"diffuse\" id=\"a\"/><alias id=\"a\" as=\"b\"/>
         <shape type=\"ply\"><string name=\"filename\" value=\"a.ply\"/><ref id=\"b\"/></shape></scene>";
     let files = [("s.xml", main), ("parts/more.xml", more), ("a.ply", TRIANGLE)];
@@ -217,7 +248,9 @@ fn included_files_and_values_are_put_in_place() {
     // What has no value, a circle, and a file that is not there.
     let (imported, _) = read(&files, &[]);
     assert!(imported.findings.iter().any(|finding| finding.id == "unknown-name"));
-    for text in ["<include filename=\"s.xml\"/>", "<include filename=\"none.xml\"/>", "<include filename=\"../../x.xml\"/>"] {
+    for text in
+        ["<include filename=\"s.xml\"/>", "<include filename=\"none.xml\"/>", "<include filename=\"../../x.xml\"/>"]
+    {
         let (imported, _) = read(&[("s.xml", &format!("<scene version=\"3.0.0\">{text}</scene>"))], &[]);
         assert!(imported.findings.iter().any(|finding| finding.severity == Severity::Error), "{text}");
     }
@@ -225,7 +258,9 @@ fn included_files_and_values_are_put_in_place() {
 
 #[test]
 fn what_is_no_scene_is_an_error_at_its_place() {
-    for text in ["", "nothing", "<scene", "<scene><a></scene>", "<other/>", "<scene></scene><scene/>", &"<a>".repeat(100)] {
+    for text in
+        ["", "nothing", "<scene", "<scene><a></scene>", "<other/>", "<scene></scene><scene/>", &"<a>".repeat(100)]
+    {
         let (imported, _) = read(&[("s.xml", text)], &[]);
         assert!(imported.findings.iter().any(|finding| finding.severity == Severity::Error), "{text}");
     }

@@ -107,8 +107,15 @@ impl Reading<'_, '_> {
             return None;
         }
         let mut children = Vec::new();
+        // Up to 0.6 renderers of three channels took one number of a spectrum for red, green and blue; since 2 it is that of every
+        // wavelength, which has a color where it is light.
+        let version = root.word("version").split('.').next().and_then(|major| major.trim().parse::<u32>().ok());
+        let old = version.is_some_and(|major| major < 2);
         let Element { tag, span, attributes, children: before, used } = root;
-        for child in before {
+        for mut child in before {
+            if old {
+                plain_spectra(&mut child);
+            }
             self.element(child, path, &mut children);
         }
         Some(Element { tag, span, attributes, children, used })
@@ -196,6 +203,14 @@ impl Reading<'_, '_> {
         filled.push_str(rest);
         filled
     }
+}
+
+/// Makes colors of the spectra that have no wavelengths. Elements are nested to a bounded depth.
+fn plain_spectra(element: &mut Element) {
+    if element.tag == "spectrum" && element.get("filename").is_none() && !element.word("value").contains(':') {
+        "rgb".clone_into(&mut element.tag);
+    }
+    element.children.iter_mut().for_each(plain_spectra);
 }
 
 /// The root element of a text; none where there is none, which is a finding.

@@ -28,7 +28,9 @@ const HEAD: usize = 4096;
 pub(super) fn read(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<Note>), FileError> {
     let number = part.map_or(Ok(0), |part| part.trim().parse::<usize>());
     let Ok(number) = number else {
-        return Err(FileError::new("", "the meshes of a serialized file have numbers, from 0").help("write `part: \"0\"`"));
+        return Err(
+            FileError::new("", "the meshes of a serialized file have numbers, from 0").help("write `part: \"0\"`")
+        );
     };
     let (start, end) = place(bytes, number)?;
     let block = &bytes[start..end];
@@ -36,11 +38,10 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<No
     let packed = &block[4..];
     let damaged = |what: &str| FileError::new(format!("byte {start}"), format!("mesh {number} {what}"));
     let most = packed.len().saturating_mul(GROWTH).saturating_add(HEAD);
-    let whole = decompress_to_vec_zlib_with_limit(packed, most)
-        .map_err(|fault| match fault.status {
-            TINFLStatus::HasMoreOutput => damaged("unpacks to more than a hundred times its size"),
-            _ => damaged("cannot be unpacked"),
-        })?;
+    let whole = decompress_to_vec_zlib_with_limit(packed, most).map_err(|fault| match fault.status {
+        TINFLStatus::HasMoreOutput => damaged("unpacks to more than a hundred times its size"),
+        _ => damaged("cannot be unpacked"),
+    })?;
     unpacked(&whole, version).ok_or_else(|| damaged("is cut off, or its counts are wrong"))?.made(start)
 }
 
@@ -55,9 +56,10 @@ fn version(bytes: &[u8], at: usize) -> Result<u16, FileError> {
     let number = |at: usize| bytes.get(at..at + 2).and_then(|two| two.try_into().ok()).map(u16::from_le_bytes);
     match (number(0), number(2)) {
         (Some(MAGIC), Some(version @ (3 | 4))) => Ok(version),
-        (Some(MAGIC), Some(version)) => {
-            Err(FileError::new(format!("byte {}", at + 2), format!("version {version} of serialized files is not known")))
-        }
+        (Some(MAGIC), Some(version)) => Err(FileError::new(
+            format!("byte {}", at + 2),
+            format!("version {version} of serialized files is not known"),
+        )),
         _ => Err(FileError::new(format!("byte {at}"), "this is no serialized mesh of Mitsuba")),
     }
 }
@@ -75,7 +77,8 @@ fn place(bytes: &[u8], number: usize) -> Result<(usize, usize), FileError> {
     let table = |count: usize| bytes.len().checked_sub(4)?.checked_sub(count.checked_mul(wide)?);
     let wrong = || {
         let at = format!("byte {}", bytes.len().saturating_sub(4));
-        FileError::new(at, "the table of meshes at the end does not fit the file").help("the file is cut off, or damaged")
+        FileError::new(at, "the table of meshes at the end does not fit the file")
+            .help("the file is cut off, or damaged")
     };
     let count = count(bytes).ok_or_else(wrong)?;
     let table = table(count).ok_or_else(wrong)?;
