@@ -1,8 +1,8 @@
 //! Lights without a surface as calls of their constructors.
 
 use super::notes::Notes;
-use super::number::{angle, direction, number, rounder, vector};
-use super::place::rotation;
+use super::number::{angle, direction, number, vector};
+use super::place::{few_digits, matrix, stages};
 use super::surface::{Place, color};
 use crate::diag::Origin;
 use crate::ir::{Affine, Color, ColorOrTexture, Handle, LightKind, Meaning, Scene, Texture, Vec3, normalized};
@@ -102,12 +102,19 @@ fn environment(
         }
     };
     let turn = if turn.is_rotation() {
-        rotation(turn)
+        turned(turn)
     } else {
         notes.dropped(at, "the turn of the environment is left out: it is no rotation");
         String::new()
     };
     Some(format!("environment(radiance: {call}{tint}){turn}"))
+}
+
+/// A rotation as stages that environments have.
+fn turned(turn: &Affine) -> String {
+    let found = stages(turn);
+    let turns = found.split(" |> ").skip(1).all(|stage| stage.starts_with("rotate("));
+    if turns { found } else { matrix(turn) }
 }
 
 /// How many of the numbers next to one are tried.
@@ -116,20 +123,11 @@ const STEPS: usize = 8;
 /// A vector that becomes `unit`, in every bit, once it is brought to length 1: one of few digits where there is one, else one of
 /// those next to `unit`.
 fn before_normalizing(unit: Vec3) -> Option<Vec3> {
-    let smallest = unit.iter().map(|part| part.abs()).filter(|part| *part > 1e-9).fold(f64::INFINITY, f64::min);
-    let largest = unit.iter().fold(0.0_f64, |most, part| most.max(part.abs()));
-    let good = |candidate: &Vec3| normalized(*candidate) == Some(unit);
-    for scale in [smallest, largest, 1.0] {
-        let near = unit.map(|part| rounder(part / scale));
-        for digits in 0..near.iter().map(Vec::len).max().unwrap_or(0) {
-            let candidate = [0, 1, 2].map(|axis: usize| near[axis].get(digits).or(near[axis].last()).copied());
-            if let [Some(x), Some(y), Some(z)] = candidate
-                && good(&[x, y, z])
-            {
-                return Some([x, y, z]);
-            }
-        }
+    let good = |candidate: Vec3| normalized(candidate) == Some(unit);
+    if let Some(found) = few_digits(unit, &good).or_else(|| good(unit).then_some(unit)) {
+        return Some(found);
     }
+    let largest = unit.iter().fold(0.0_f64, |most, part| most.max(part.abs()));
     // The largest part becomes 1 on the way, so that the others decide.
     let steps = |part: f64| {
         let part = part / largest;
@@ -144,7 +142,7 @@ fn before_normalizing(unit: Vec3) -> Option<Vec3> {
     let [x, y, z] = unit.map(steps);
     let all = x.iter().flat_map(|x| y.iter().map(move |y| [*x, *y]));
     let mut all = all.flat_map(|[x, y]| z.iter().map(move |z| [x, y, *z]));
-    all.find(good)
+    all.find(|candidate| good(*candidate))
 }
 
 #[cfg(test)]

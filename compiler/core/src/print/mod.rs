@@ -2,8 +2,9 @@
 //!
 //! [`print`](fn@print) writes; evaluation of what it wrote gives the same scene. Reading order: `number` and `names` (words of the
 //! language), `notes` (what is lost), `place` (transforms as stages), `mesh` (meshes that a constructor makes), `surface` (colors,
-//! materials, images), `light`, `settings` (the header too), `plan` (what is declared and what stands in place), `write` (statements).
+//! materials, images), `light`, `settings` (the header too), `plan` (what is declared and what stands in place), `write` (statements), `compare` (whether two scenes are equal).
 
+mod compare;
 mod light;
 mod mesh;
 mod names;
@@ -23,6 +24,8 @@ use crate::format::{self, FormatError};
 use crate::formats::shared::ply;
 use crate::ir::{Affine, ImageFile, Mesh, Scene};
 use crate::npy;
+
+pub use compare::difference;
 
 /// How a scene is written.
 #[derive(Clone, Debug, Default)]
@@ -111,7 +114,7 @@ impl Content<'_> {
 
 /// Writes `scene` as a text, and says what is lost.
 ///
-/// Where there are no findings, evaluation of the text gives an equal scene. Equal means: the same name, documentation and settings;
+/// Where there are no findings, evaluation of the text gives an equal scene. Equal, as [`difference`] finds it, means: the same name, documentation and settings;
 /// the same cameras, shapes, emitters, lights and instances in the same order and with the same names; and of each the same numbers,
 /// where 0 and -0 are one. Numbers of meshes are the same to the bit, files of images to the byte. Two shapes have one mesh
 /// in the one scene where they have one in the other, and groups and textures are shared likewise. What does not count:
@@ -141,8 +144,8 @@ pub fn print<'s>(scene: &'s Scene, options: &Options) -> Printed<'s> {
 }
 
 #[cfg(test)]
-mod compare_tests;
-#[cfg(test)]
 mod property_tests;
+#[cfg(test)]
+mod read_tests;
 #[cfg(test)]
 mod tests;

@@ -1,13 +1,16 @@
-//! Transforms as stages: scale, turns and a move where these give the map exactly, else the matrix.
+//! Transforms as stages: scale, turns and a move, or a frame, where these give the map exactly, else the matrix.
 
-use super::number::{angle, number, rounder, vector};
-use crate::ir::{Affine, Vec3};
+use super::number::{angle, direction, number, rounder, vector};
+use crate::ir::{Affine, Vec3, cross, length, normalized};
 
 /// The unit vectors along the axes.
 const AXES: [Vec3; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 /// The names of the axes, as stages label them.
 const NAMES: [&str; 3] = ["x", "y", "z"];
+
+/// How long a text may be that needs no shorter one.
+const SHORT: usize = 48;
 
 /// A stage.
 #[derive(Clone, Copy, Debug)]
@@ -69,16 +72,55 @@ pub(super) fn stages(map: &Affine) -> String {
         let result = all.iter().fold(Affine::IDENTITY, |before, stage| before.then(&stage.map()));
         (result == *map).then(|| all.into_iter().map(Stage::text).collect::<String>())
     };
-    let found = quarter_turns(map).and_then(made).or_else(|| turned(map).and_then(made));
-    found.unwrap_or_else(|| matrix(map))
+    if let Some(found) = quarter_turns(map).and_then(made) {
+        return found;
+    }
+    // A turn by an angle of many digits may be a frame of few.
+    match turned(map).and_then(made) {
+        Some(found) if found.len() <= SHORT => found,
+        found => framed(map).or(found).unwrap_or_else(|| matrix(map)),
+    }
 }
 
-/// A rotation, as it stands behind an environment.
-pub(super) fn rotation(turn: &Affine) -> String {
-    stages(turn)
+/// ` |> frame(...)` of vectors of few digits.
+fn framed(map: &Affine) -> Option<String> {
+    let column = |at: usize| map.rows.map(|row| row[at]);
+    let (x, z, origin) = (column(0), column(2), column(3));
+    let near = |one: f64, other: f64| (one - other).abs() < 1e-9;
+    if !(near(length(x), 1.0) && near(length(z), 1.0)) {
+        return None;
+    }
+    let up = few_digits(z, &|candidate| normalized(candidate) == Some(z))?;
+    // As evaluation computes it.
+    let made = |wanted: Vec3| {
+        let y = normalized(cross(z, normalized(wanted)?))?;
+        let x = cross(y, z);
+        let rows = [0, 1, 2].map(|at| [x[at], y[at], z[at], origin[at]]);
+        (Affine::IDENTITY.then(&Affine { rows }) == *map && length(cross(z, wanted)) > 1e-6).then_some(wanted)
+    };
+    let axes = AXES.into_iter().chain(AXES.map(|axis| axis.map(|part| 0.0 - part)));
+    let along = axes.into_iter().find_map(made).or_else(|| few_digits(x, &|wanted| made(wanted).is_some()))?;
+    let origin = if origin == [0.0; 3] { String::new() } else { format!(", origin: {}", vector(&origin)) };
+    Some(format!(" |> frame(x: {}, z: {}{origin})", direction(along), direction(up)))
 }
 
-fn matrix(map: &Affine) -> String {
+/// A vector of few digits along `unit`, or near it, that is `good`.
+pub(super) fn few_digits(unit: Vec3, good: &dyn Fn(Vec3) -> bool) -> Option<Vec3> {
+    let smallest = unit.iter().map(|part| part.abs()).filter(|part| *part > 1e-9).fold(f64::INFINITY, f64::min);
+    let largest = unit.iter().fold(0.0_f64, |most, part| most.max(part.abs()));
+    let mut all = [smallest, largest, 1.0].into_iter().flat_map(|scale| {
+        let near = unit.map(|part| rounder(part / scale));
+        // The first two have four and seven digits.
+        [0, 1].map(|digits: usize| [0, 1, 2].map(|axis: usize| near[axis].get(digits).or(near[axis].last()).copied()))
+    });
+    all.find_map(|parts| match parts {
+        [Some(x), Some(y), Some(z)] if good([x, y, z]) => Some([x, y, z]),
+        _ => None,
+    })
+}
+
+/// ` |> matrix(...)`
+pub(super) fn matrix(map: &Affine) -> String {
     let [x, y, z] = map.rows.map(|row| vector(&row));
     format!(" |> matrix({x}, {y}, {z})")
 }
@@ -139,6 +181,10 @@ fn turned(map: &Affine) -> Option<Vec<Stage>> {
         let Some(other) = rounder(second).into_iter().find(of_second) else { continue };
         let mut scale = [rows[axis][axis]; 3];
         (scale[i], scale[j]) = (one, other);
+        // What is all but no scale says less than a matrix.
+        if scale.iter().any(|by| *by != 1.0 && (by - 1.0).abs() < 1e-9) {
+            return None;
+        }
         return Some(vec![Stage::Scale(scale), Stage::Turn(axis, degrees)]);
     }
     None
@@ -163,6 +209,15 @@ mod tests {
         assert_eq!(of(&[Scale([1.0, 2.0, 3.0]), Turn(1, 90.0)]), " |> scale(y: 2, z: 3) |> rotate(y: 90deg)");
         assert_eq!(of(&[Turn(0, 90.0), Turn(2, 90.0)]), " |> rotate(x: 90deg) |> rotate(z: 90deg)");
         assert_eq!(of(&[Scale([-1.0, 1.0, 1.0])]), " |> scale(x: -1)");
+    }
+
+    #[test]
+    fn frames_of_few_digits_are_found_again() {
+        let z = normalized([0.0, -0.9845, 0.1755]).expect("a direction");
+        let y = normalized(cross(z, AXES[0])).expect("a direction");
+        let x = cross(y, z);
+        let map = Affine { rows: [0, 1, 2].map(|at| [x[at], y[at], z[at], [0.0, 7.8538, 45.9912][at]]) };
+        assert_eq!(stages(&map), " |> frame(x: X, z: (0, -0.9845, 0.1755), origin: (0, 7.8538, 45.9912))");
     }
 
     #[test]

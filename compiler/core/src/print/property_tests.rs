@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use proptest::prelude::*;
 
-use super::compare_tests::{difference, read};
-use super::{Options, print};
+use super::read_tests::read;
+use super::{Options, difference, print};
 use crate::diag::{Origin, Sources};
 use crate::image::{self, Loaded, Pixels};
 use crate::ir::{
@@ -19,7 +19,12 @@ use crate::mesh::{Axis, Extent, Geometry, SignedAxis, boxed, cylinder, disk, rec
 pub(super) struct Dice<'n> {
     pub numbers: &'n [u64],
     pub at: usize,
+    /// Whether numbers may be such as no scene should have, and names the same.
+    pub wild: bool,
 }
+
+/// Numbers that are hard to write, or to have.
+const WILD: [f64; 9] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0, -0.0, 1e300, 5e-324, 1e38, -1e-9];
 
 impl Dice<'_> {
     fn next(&mut self) -> u64 {
@@ -35,8 +40,16 @@ impl Dice<'_> {
         from[self.below(from.len())].clone()
     }
 
+    /// One of the wild numbers, now and then.
+    fn odd(&mut self) -> Option<f64> {
+        (self.wild && self.below(12) == 0).then(|| self.pick(&WILD))
+    }
+
     /// From 0 to 1, round numbers and others.
     fn share(&mut self) -> f64 {
+        if let Some(odd) = self.odd() {
+            return odd;
+        }
         let random = self.next() as f64 / u64::MAX as f64;
         self.pick(&[0.5, 0.0, 1.0, 0.1, 0.3, random, random, f64::from(random as f32)])
     }
@@ -81,10 +94,13 @@ impl Dice<'_> {
         let parts = [Affine::scaling(scale), Affine::rotation(axis, angle), Affine::translation(self.vector())];
         let count = self.below(4);
         let map = (0..count).fold(Affine::IDENTITY, |map, _| map.then(&self.pick(&parts)));
-        if map.is_invertible() { map } else { Affine::IDENTITY }
+        if map.is_invertible() || self.wild { map } else { Affine::IDENTITY }
     }
 
     fn name(&mut self, kind: &str, at: usize) -> String {
+        if self.wild {
+            return self.pick(&["a", "a", "b", "a_2", "", "X", "`", "shape", "\u{7}bell"]).to_owned();
+        }
         match self.below(5) {
             0 => format!("{kind} {at}"),
             1 => format!("{kind}[{at},0]/größe"),
@@ -125,7 +141,8 @@ impl Dice<'_> {
     }
 
     fn texture(&mut self, name: String, float: bool) -> Texture {
-        let values = (0..24).map(|_| self.share() as f32).collect();
+        // No image has wild numbers: its reader refuses them.
+        let values = (0..24).map(|_| self.below(256) as f32 / 255.0).collect();
         let pixels = Pixels { width: 4, height: 2, channels: 3, values };
         let bytes = if float {
             let values = pixels.values.iter().flat_map(|value| value.to_le_bytes());
@@ -201,7 +218,7 @@ impl Dice<'_> {
             let emission = (self.below(3) == 0).then(|| Emission { radiance: self.color(Meaning::Light, 30.0) });
             let own = self.name("shape", at);
             let name = self.pick(&[own.clone(), own, mesh.1.name.clone(), materials[material].name.clone()]);
-            let taken = shapes.values().any(|shape: &Shape| shape.name == name);
+            let taken = !self.wild && shapes.values().any(|shape: &Shape| shape.name == name);
             let name = if taken { format!("shape {at} again") } else { name };
             let shape = Shape { name, mesh: mesh.0, transform: self.transform(), material, emission };
             shapes.push(shape, Origin::Made);
@@ -240,7 +257,11 @@ impl Dice<'_> {
     }
 
     fn camera(&mut self, name: Option<String>) -> Camera {
-        let (eye, near) = (self.vector(), self.positive());
+        let (mut eye, near) = (self.vector(), self.positive());
+        // Most scenes should keep their camera, so that they are read again.
+        if self.wild && self.below(4) != 0 {
+            eye = [1.0, 2.0, 3.0];
+        }
         let far = near * 2.0;
         let (near, far) = self.pick(&[(None, None), (Some(near), None), (Some(near), Some(far)), (None, Some(far))]);
         let up = self.pick(&[[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [0.1, 0.2, 3.0]]);
@@ -327,26 +348,30 @@ impl Dice<'_> {
     }
 }
 
-/// Whether a name that only one space of names can hold is the cause of a finding.
-fn is_name(id: &str) -> bool {
-    id == "print-renamed"
-}
-
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(192))]
+    #![proptest_config(ProptestConfig::with_cases(160))]
 
     #[test]
     fn a_scene_is_itself_after_printing(numbers in prop::collection::vec(any::<u64>(), 0..400)) {
-        let scene = Dice { numbers: &numbers, at: 0 }.scene();
+        let scene = Dice { numbers: &numbers, at: 0, wild: false }.scene();
         let printed = print(&scene, &Options::default());
         let formatted = crate::format::format(&mut Sources::default(), "a.lts", &printed.text).expect("a good text");
         prop_assert_eq!(&formatted, &printed.text);
-        // Every scene that is made here can be said, but for names.
-        let other = printed.findings.iter().find(|finding| !is_name(finding.id));
-        prop_assert!(other.is_none(), "{:?}\n{}", other, printed.text);
+        prop_assert!(printed.findings.is_empty(), "{:?}\n{}", printed.findings, printed.text);
         let again = read(&printed);
-        if printed.findings.is_empty() {
-            prop_assert_eq!(difference(&scene, &again), None, "{}", printed.text);
+        prop_assert_eq!(difference(&scene, &again), None, "{}", printed.text);
+    }
+
+    #[test]
+    fn a_scene_that_should_not_be_is_told_and_still_written(numbers in prop::collection::vec(any::<u64>(), 0..300)) {
+        let scene = Dice { numbers: &numbers, at: 0, wild: true }.scene();
+        let printed = print(&scene, &Options::default());
+        // Without a camera it is for people to add one.
+        if printed.text.contains("\ncamera") {
+            let again = read(&printed);
+            if printed.findings.is_empty() {
+                prop_assert_eq!(difference(&scene, &again), None, "{}", printed.text);
+            }
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use super::compare_tests::{difference, evaluated, read};
+use super::read_tests::{evaluated, read};
 use super::*;
 use crate::files::{MemoryFiles, MemorySink};
 use crate::ir::{
@@ -380,5 +380,33 @@ fn an_imported_scene_is_itself_after_printing() {
         ["material `Left Wall` = diffuse(rgb(0.6, 0.1, 0.05))", "with radiance(rgb(18.4, 15.6, 8), over: default)"]
     {
         assert!(printed.text.contains(line), "{line} in\n{}", printed.text);
+    }
+}
+
+#[test]
+fn a_group_may_hold_nothing() {
+    let scene = of(&with("group a {}\ninstance a = a"));
+    let printed = print(&scene, &Options::default());
+    assert!(printed.findings.is_empty());
+    assert_eq!(difference(&scene, &read(&printed)), None);
+}
+
+#[test]
+fn an_environment_is_turned_by_a_matrix_that_turns() {
+    let found = |stage: &str| {
+        let mut files = MemoryFiles::default();
+        files.insert("sky.pfm", [b"PF\n2 1\n-1.0\n".to_vec(), vec![0; 24]].concat());
+        let text = with(&format!("emitter sky = environment(radiance: bitmap(\"sky.pfm\")) |> {stage}"));
+        files.insert("a.lts", text);
+        let path = crate::files::VPath::resolve("", "a.lts").expect("a path");
+        let made = crate::eval::evaluate(&files, &mut Sources::default(), &path, &crate::eval::Overrides::default());
+        let errors = made.findings.iter().filter(|finding| finding.severity >= Severity::Error);
+        errors.map(|finding| finding.message.clone()).collect::<Vec<_>>()
+    };
+    assert!(found("matrix((0, -1, 0, 0), (1, 0, 0, 0), (0, 0, 1, 0))").is_empty());
+    for wrong in
+        ["matrix((2, 0, 0, 0), (0, 2, 0, 0), (0, 0, 2, 0))", "matrix((1, 0, 0, 5), (0, 1, 0, 0), (0, 0, 1, 0))"]
+    {
+        assert_eq!(found(wrong), ["an environment is turned, and this matrix is no rotation"]);
     }
 }
