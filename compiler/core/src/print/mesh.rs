@@ -124,12 +124,12 @@ fn ball(mesh: &Mesh, vertices: u64, triangles: u64) -> Option<String> {
     // s and r - 1 are known by their product, `inner`, and (r - 1) + 2 s, `rest`: 2 s is a root of x^2 - rest x + 2 inner.
     let square = rest.checked_mul(rest)?.checked_sub(inner.checked_mul(8)?)?;
     let root = square.isqrt();
-    if triangles % 2 == 1 || root * root != square {
+    if !triangles.is_multiple_of(2) || root * root != square {
         return None;
     }
     for double in [rest + root, rest - root] {
         let (segments, rings) = (double / 4, rest - double / 2 + 1);
-        if double % 4 != 0 || segments < 3 || rings < 2 || segments * (rings - 1) != inner {
+        if !double.is_multiple_of(4) || segments < 3 || rings < 2 || segments * (rings - 1) != inner {
             continue;
         }
         let (bottom, top) = (mesh.positions.first()?, mesh.positions.last()?);
@@ -173,7 +173,7 @@ fn tube(mesh: &Mesh, vertices: u64, triangles: u64) -> Option<String> {
     for (share, caps) in [(2, false), (4, true)] {
         let segments = triangles / share;
         // The side has a row of vertices at either end, whose last lies on the first.
-        if triangles % share != 0 || segments < 3 || vertices < 2 * (segments + 1) {
+        if !triangles.is_multiple_of(share) || segments < 3 || vertices < 2 * (segments + 1) {
             continue;
         }
         if same(mesh, cylinder(radius, (low, high), segments, caps)) {

@@ -38,7 +38,12 @@ impl Notes {
             return value;
         }
         let near = if value > most { most } else { least };
-        let message = format!("{what} is {value}, and {near} is written: the language has {least} to {most} there");
+        let range = match (least, most) {
+            (f64::MIN, f64::MAX) => "finite numbers".to_owned(),
+            (least, f64::MAX) => format!("{least:?} and more"),
+            (least, most) => format!("{least:?} to {most:?}"),
+        };
+        let message = format!("{what} is {value:?}, and {near:?} is written: the language has {range} there");
         self.changed(at, message);
         near
     }

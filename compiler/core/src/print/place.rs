@@ -19,6 +19,8 @@ enum Stage {
     Scale(Vec3),
     /// `rotate` about an axis, in degrees.
     Turn(usize, f64),
+    /// `rotate` about any other axis, in degrees.
+    Tilt(Vec3, f64),
     /// `translate`
     Move(Vec3),
 }
@@ -28,10 +30,8 @@ impl Stage {
     fn map(self) -> Affine {
         match self {
             Self::Scale(by) => Affine::scaling(by),
-            Self::Turn(axis, degrees) => {
-                let still = Affine::translation([0.0; 3]);
-                still.then(&Affine::rotation(AXES[axis], degrees)).then(&still)
-            }
+            Self::Turn(axis, degrees) => turn(AXES[axis], degrees),
+            Self::Tilt(axis, degrees) => turn(normalized(axis).unwrap_or_default(), degrees),
             Self::Move(by) => Affine::translation(by),
         }
     }
@@ -43,6 +43,7 @@ impl Stage {
             Self::Scale([x, y, z]) if x == y && y == z => format!(" |> scale({})", number(x)),
             Self::Scale(by) => format!(" |> scale({})", labelled(by, 1.0)),
             Self::Turn(axis, degrees) => format!(" |> rotate({}: {})", NAMES[axis], angle(degrees)),
+            Self::Tilt(axis, degrees) => format!(" |> rotate(axis: {}, angle: {})", vector(&axis), angle(degrees)),
             Self::Move(by @ [x, y, z]) => {
                 let some = by.iter().filter(|part| **part != 0.0).count();
                 match some {
@@ -52,6 +53,12 @@ impl Stage {
             }
         }
     }
+}
+
+/// The map of `rotate`.
+fn turn(axis: Vec3, degrees: f64) -> Affine {
+    let still = Affine::translation([0.0; 3]);
+    still.then(&Affine::rotation(axis, degrees)).then(&still)
 }
 
 /// `x: 1, z: 2`, without those that are `usual`.
@@ -78,8 +85,30 @@ pub(super) fn stages(map: &Affine) -> String {
     // A turn by an angle of many digits may be a frame of few.
     match turned(map).and_then(made) {
         Some(found) if found.len() <= SHORT => found,
-        found => framed(map).or(found).unwrap_or_else(|| matrix(map)),
+        found => {
+            let other = framed(map).or_else(|| tilted(map).and_then(made));
+            other.or(found).unwrap_or_else(|| matrix(map))
+        }
     }
+}
+
+/// A scale and then a turn about any axis, of few digits.
+fn tilted(map: &Affine) -> Option<Vec<Stage>> {
+    let [a, b, c] = map.rows;
+    let size = length([a[0], b[0], c[0]]);
+    let axis = [c[1] - b[2], a[2] - c[0], b[0] - a[1]];
+    let unit = normalized(axis)?;
+    let degrees = libm::atan2(length(axis), a[0] + b[1] + c[2] - size).to_degrees();
+    let near = |wanted: f64| rounder(wanted).into_iter().filter(move |other| (other / wanted - 1.0).abs() < 1e-9);
+    let mut all = near(size).flat_map(|by| near(degrees).map(move |degrees| (by, degrees)));
+    all.find_map(|(by, degrees)| {
+        let stages = |axis: Vec3| [Stage::Scale([by; 3]), Stage::Tilt(axis, degrees)];
+        let good = |axis: Vec3| {
+            let made = stages(axis).iter().fold(Affine::IDENTITY, |before, stage| before.then(&stage.map()));
+            made.rows.iter().zip(&map.rows).all(|(made, row)| made[..3] == row[..3])
+        };
+        few_digits(unit, &good).map(|axis| stages(axis).to_vec())
+    })
 }
 
 /// ` |> frame(...)` of vectors of few digits.
@@ -200,7 +229,7 @@ mod tests {
 
     #[test]
     fn maps_are_written_as_people_write_them() {
-        use Stage::{Move, Scale, Turn};
+        use Stage::{Move, Scale, Tilt, Turn};
         assert_eq!(of(&[]), "");
         assert_eq!(of(&[Scale([2.0; 3]), Move([0.0, 0.0, -1.5])]), " |> scale(2) |> translate(z: -1.5)");
         assert_eq!(of(&[Scale([1.0, 3.0, 1.0]), Move([1.0, 2.0, 3.0])]), " |> scale(y: 3) |> translate(1, 2, 3)");
@@ -209,6 +238,8 @@ mod tests {
         assert_eq!(of(&[Scale([1.0, 2.0, 3.0]), Turn(1, 90.0)]), " |> scale(y: 2, z: 3) |> rotate(y: 90deg)");
         assert_eq!(of(&[Turn(0, 90.0), Turn(2, 90.0)]), " |> rotate(x: 90deg) |> rotate(z: 90deg)");
         assert_eq!(of(&[Scale([-1.0, 1.0, 1.0])]), " |> scale(x: -1)");
+        let tilted = of(&[Scale([0.3; 3]), Tilt([1.0, 2.0, -0.5], 12.5)]);
+        assert_eq!(tilted, " |> scale(0.3) |> rotate(axis: (2, 4, -1), angle: 12.5deg)");
     }
 
     #[test]
@@ -224,7 +255,7 @@ mod tests {
     fn what_is_no_such_map_is_a_matrix() {
         let sheared = Affine { rows: [[1.0, 0.5, 0.0, 0.0], [0.0, 1.0, 0.0, -0.0], [0.0, 0.0, 1.0, 3.0]] };
         assert_eq!(stages(&sheared), " |> matrix((1, 0.5, 0, 0), (0, 1, 0, 0), (0, 0, 1, 3))");
-        let (axis, degrees) = ([0.6, 0.8, 0.0], 20.0);
-        assert!(stages(&Affine::rotation(axis, degrees)).starts_with(" |> matrix("));
+        let odd = normalized([0.123_456_789_1, 0.987_654_321_9, 0.555_555_123_4]).expect("an axis");
+        assert!(stages(&Affine::rotation(odd, 20.123_456_789_1)).starts_with(" |> matrix("));
     }
 }

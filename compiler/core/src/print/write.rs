@@ -14,6 +14,7 @@ use super::{Content, Options};
 use crate::diag::{Finding, Origin};
 use crate::formats::shared::names::{file_stem, file_stems};
 use crate::ir::{Affine, Arena, Emission, Handle, Instance, Material, Meaning, Places, Scene, Shape, Texture};
+use crate::syntax::VERSION;
 
 /// What became of a scene: its name, its text, its files and findings.
 pub(super) type Written<'s> = (String, String, Vec<(String, Content<'s>)>, Vec<Finding>);
@@ -36,7 +37,7 @@ pub(super) fn scene<'s>(scene: &'s Scene, options: &Options) -> Written<'s> {
     let origin = options.origin.as_deref().map(comment).unwrap_or_default();
     writer.scatter(options);
     let sections = [
-        "lts 1\n".to_owned(),
+        format!("lts {VERSION}\n"),
         origin,
         head,
         settings,
