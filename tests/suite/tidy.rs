@@ -28,6 +28,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("lint", &["ir", "mesh", "survey", "contact", "diag"]),
     ("capability", &["ir", "mesh", "diag"]),
     ("formats", &["ir", "mesh", "image", "survey", "valid", "capability", "diag", "files"]),
+    ("print", &["diag", "files", "format", "formats", "ir", "mesh", "npy", "syntax"]),
     ("ledger", &["capability", "diag", "formats", "ir"]),
     ("audit", &["capability", "diag", "files", "formats", "image", "ir", "mesh"]),
     ("catalogue", &["ir", "survey"]),

@@ -1,7 +1,7 @@
 //! The pure core of ltsc: no disk, clock, process, environment or terminal.
 //!
 //! Reading order: [`diag`] and [`files`] (what everything speaks), [`ir`] (the Scene in the middle), [`syntax`] (text to
-//! tree), [`format`] (text to its canonical form), [`eval`] (tree to Scene), [`import`] (scenes of other programs to Scene), [`mesh`] (generators, mesh files), [`npy`] (arrays of numbers),
+//! tree), [`format`] (text to its canonical form), [`eval`] (tree to Scene), [`import`] (scenes of other programs to Scene), [`print`](mod@print) (Scene to text), [`mesh`] (generators, mesh files), [`npy`] (arrays of numbers),
 //! [`image`] (image files), [`valid`] (what every emitter may rely on),
 //! [`survey`] (what lies where), [`contact`] (what lies against what), [`lint`] (portability), [`fix`] (findings to edits), [`similar`] (how near scenes are), [`lower`] (Scene to Scene), [`capability`] (what a target can say), [`formats`] (targets and
 //! importers), [`ledger`] (what became of everything), [`audit`] (what was written, read back and compared), [`pipeline`], the only file that knows all stages, [`catalogue`] (pages of scenes), and [`manual`], the pages made from the tables of them all.
@@ -27,6 +27,7 @@ pub mod manual;
 pub mod mesh;
 pub mod npy;
 pub mod pipeline;
+pub mod print;
 pub mod similar;
 pub mod survey;
 pub mod syntax;

@@ -262,6 +262,10 @@ pub const CODES: &[Code] = &[
     code("not-text", "A scene file is not text in UTF-8."),
     code("number-range", "A number is too large for double precision."),
     code("parameter-range", "The value of a scene's parameter lies outside its range."),
+    remark(
+        "print-renamed",
+        "A name of a scene is another one in the text that ltsc writes of it.\nValues of a text (materials, meshes, textures, groups) have one space of names, and other programs have names that the language cannot write: empty ones, and those with control characters, backticks, or more than 256 bytes. A number stands behind a name that is taken; images are the same.",
+    ),
     code(
         "reversed-range",
         "A range runs backwards, or an interval is empty.\nRanges contain both ends: `0..8` are nine numbers.",

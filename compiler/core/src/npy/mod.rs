@@ -6,6 +6,7 @@
 //! there before anything is allocated.
 
 mod header;
+pub mod write;
 
 use std::fmt;
 

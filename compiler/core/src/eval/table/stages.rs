@@ -15,6 +15,10 @@ const OF: Parameter = Parameter { name: "of", ty: Ty::Mesh, default: None, doc: 
 /// What stands before the `|>` of a move.
 const ANY: Parameter = Parameter { name: "of", ty: Ty::Placeable, default: None, doc: "the mesh or group before `|>`" };
 
+/// What stands before the `|>` of a stage that may be a turn.
+const TURNABLE: Parameter =
+    Parameter { name: "of", ty: Ty::Turnable, default: None, doc: "the mesh, group or environment before `|>`" };
+
 pub(super) const ROWS: &[Constructor] = &[
     Constructor {
         family: Family::Stage,
@@ -40,12 +44,7 @@ pub(super) const ROWS: &[Constructor] = &[
         name: "rotate",
         summary: "Turns counter-clockwise, seen against the axis. Give exactly one of `x`, `y`, `z`, or `axis` and `angle`.",
         params: &[
-            Parameter {
-                name: "of",
-                ty: Ty::Turnable,
-                default: None,
-                doc: "the mesh, group or environment before `|>`",
-            },
+            TURNABLE,
             Parameter { name: "x", ty: Ty::Angle, default: Some(""), doc: "about X" },
             Parameter { name: "y", ty: Ty::Angle, default: Some(""), doc: "about Y" },
             Parameter { name: "z", ty: Ty::Angle, default: Some(""), doc: "about Z" },
@@ -106,7 +105,7 @@ pub(super) const ROWS: &[Constructor] = &[
         name: "matrix",
         summary: "An affine map, written as three rows of four numbers: `x' = a x + b y + c z + d`.",
         params: &[
-            ANY,
+            TURNABLE,
             Parameter { name: "row_x", ty: Ty::Row, default: None, doc: "the row that gives x" },
             Parameter { name: "row_y", ty: Ty::Row, default: None, doc: "the row that gives y" },
             Parameter { name: "row_z", ty: Ty::Row, default: None, doc: "the row that gives z" },
@@ -116,6 +115,14 @@ pub(super) const ROWS: &[Constructor] = &[
         build: |args, site| {
             let row = |name| args.vector(name).and_then(|parts| <[f64; 4]>::try_from(parts).ok()).unwrap_or_default();
             let map = Affine { rows: [row("row_x"), row("row_y"), row("row_z")] };
+            if let Some(Value::Light(kind)) = args.get("of") {
+                if map.is_rotation() {
+                    return turned(kind, &map, false);
+                }
+                return Err(Problem::new(None, "an environment is turned, and this matrix is no rotation")
+                    .note("it is infinitely far away: there is nothing to move, to scale or to mirror")
+                    .help("write for example `rotate(z: 20deg)`"));
+            }
             if map.is_invertible() {
                 return moved(args, site, &map);
             }
