@@ -20,6 +20,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("mesh", &["ir", "diag"]),
     ("image", &["ir", "diag"]),
     ("eval", &["syntax", "ir", "mesh", "image", "npy", "diag", "files"]),
+    ("import", &["diag", "eval", "files", "formats", "image", "ir", "mesh"]),
     ("valid", &["ir", "mesh", "diag"]),
     ("lower", &["ir", "mesh", "diag"]),
     ("survey", &["ir", "diag"]),

@@ -176,11 +176,19 @@ pub enum Command {
         after_help = "Examples:\n  ltsc similar scenes-src/cboxm_diffuse_lvar.lts\n  ltsc similar draft.lts --all\n  ltsc similar draft.lts --format json"
     )]
     Similar(Similar),
+    /// Read a scene of another program, and write it as a scene of ltsc: a text to be edited, with its meshes and images.
+    ///
+    /// Everything that the file says and the text does not, or not in the same way, is told with its place. `lint`, `render`, `emit`
+    /// (also called `convert`) and `similar` take such files as they are. `--set` gives values to parameters that the file declares.
+    #[command(
+        after_help = "Examples:\n  ltsc import scene.xml                       (writes NAME.lts, and a folder NAME beside it)\n  ltsc import kitchen/scene.xml -o scenes-src/kitchen.lts\n  ltsc import scene.xml --set spp=64 --deny loss-dropped\n  ltsc convert scene.xml --target pbrt-v4 -o out"
+    )]
+    Import(Import),
     /// Write a scene for one target, as one self-contained folder.
     ///
     /// Without SCENE every scene of the project, as `build` does, for this target only.
     #[command(
-        after_help = "Examples:\n  ltsc emit scenes-src/ring.lts --target pbrt\n  ltsc emit ring.lts --target glb -o /tmp/ring --width 128 --height 128\n  ltsc emit ring.lts --target glb --option glb.instancing\n  ltsc emit --target mitsuba-3"
+        after_help = "Examples:\n  ltsc emit scenes-src/ring.lts --target pbrt\n  ltsc emit ring.lts --target glb -o /tmp/ring --width 128 --height 128\n  ltsc emit ring.lts --target glb --option glb.instancing\n  ltsc emit --target mitsuba-3\n  ltsc convert scene.xml --target pbrt-v4 -o out     (a scene of another program)"
     )]
     #[command(visible_alias = "convert")]
     Emit(Emit),
@@ -498,6 +506,23 @@ pub struct Similar {
     /// Show the scenes that are not near, too.
     #[arg(long)]
     pub all: bool,
+    #[command(flatten)]
+    pub findings: Findings,
+}
+
+#[derive(Args, Debug)]
+pub struct Import {
+    /// The scene of another program.
+    pub scene: PathBuf,
+    /// The text, or the folder for it; meshes and images go into a folder of its name beside it [default: the scene's name here].
+    #[arg(short, long, value_name = "FILE.lts|DIR")]
+    pub output: Option<PathBuf>,
+    /// The value of a parameter that the file declares (`<default>` of Mitsuba); may be given several times.
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// Write also over a text that is there, and over files that ltsc did not write, or that were changed since.
+    #[arg(long)]
+    pub force: bool,
     #[command(flatten)]
     pub findings: Findings,
 }

@@ -15,6 +15,7 @@ mod eval;
 mod explain;
 mod fixes;
 mod fmt;
+mod import;
 mod init;
 mod lint;
 mod manual;
@@ -45,6 +46,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Lint(command) => lint::run(&command),
         Command::Fmt(command) => fmt::run(&command),
         Command::Similar(command) => similar::run(&command),
+        Command::Import(command) => import::run(&command),
         Command::Emit(command) => emit::run(&command),
         Command::Audit(command) => audit::run(&command),
         Command::Render(command) => render::run(&command),
@@ -82,6 +84,7 @@ fn format_of(command: &Command) -> Format {
         Command::Lint(command) => command.findings.format,
         Command::Fmt(command) => command.format,
         Command::Similar(command) => command.findings.format,
+        Command::Import(command) => command.findings.format,
         Command::Emit(command) => command.findings.format,
         Command::Audit(command) => command.findings.format,
         Command::Render(command) => command.findings.format,

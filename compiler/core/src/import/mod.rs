@@ -70,7 +70,7 @@ pub fn import(
 ) -> Imported {
     let mut reader = Reader::new(files, sources, options);
     let scene = (importer.read)(&mut reader, path);
-    let (findings, inputs) = reader.finish();
+    let (findings, inputs) = reader.finish(path);
     Imported { scene, findings, inputs }
 }
 

@@ -1,9 +1,9 @@
 //! What an importer reads from, and where its findings go.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 use super::Options;
-use crate::diag::{FileId, Finding, Origin, Severity, Sources};
+use crate::diag::{FileId, Finding, Origin, Severity, Sources, nearest};
 use crate::eval::Limits;
 use crate::files::{Bytes, Files, VPath};
 
@@ -48,16 +48,31 @@ pub struct Reader<'f> {
     findings: Vec<Finding>,
     /// What was said already, by code and message: the finding, and in how many more places.
     said: HashMap<(&'static str, String), (usize, usize)>,
+    /// Parameters that the file declares.
+    declared: BTreeSet<String>,
 }
 
 impl<'f> Reader<'f> {
     pub(super) fn new(files: &'f dyn Files, sources: &'f mut Sources, options: &'f Options) -> Self {
-        Self { files, sources, options, inputs: BTreeMap::new(), findings: Vec::new(), said: HashMap::new() }
+        Self {
+            files,
+            sources,
+            options,
+            inputs: BTreeMap::new(),
+            findings: Vec::new(),
+            said: HashMap::new(),
+            declared: BTreeSet::new(),
+        }
     }
 
     /// How large things may be.
     pub fn limits(&self) -> &'f Limits {
         &self.options.limits
+    }
+
+    /// Says that the file has a parameter, so that the user may give it a value.
+    pub fn declare(&mut self, name: &str) {
+        self.declared.insert(name.to_owned());
     }
 
     /// The bytes of a file, read once; what is wrong, in words.
@@ -123,7 +138,19 @@ impl<'f> Reader<'f> {
         self.findings.push(finding);
     }
 
-    pub(super) fn finish(mut self) -> (Vec<Finding>, BTreeMap<VPath, Bytes>) {
+    pub(super) fn finish(mut self, path: &VPath) -> (Vec<Finding>, BTreeMap<VPath, Bytes>) {
+        let known: Vec<&str> = self.declared.iter().map(String::as_str).collect();
+        for name in self.options.defines.keys().filter(|name| !known.contains(&name.as_str())) {
+            let origin = Origin::File { path: path.to_string(), place: String::new() };
+            let finding = Finding::error("unknown-parameter", origin, format!("the scene has no parameter `{name}`"));
+            let has = if known.is_empty() {
+                "the file declares none".to_owned()
+            } else {
+                format!("the file declares {}", known.join(", "))
+            };
+            let near = nearest(name, known.iter().copied()).map(|near| format!("did you mean `{near}`?"));
+            self.findings.push(finding.note(has).maybe_help(near));
+        }
         for (at, more) in self.said.into_values().filter(|(_, more)| *more > 0) {
             let finding = &mut self.findings[at];
             let places = if more == 1 { "one more place".to_owned() } else { format!("{more} more places") };

@@ -245,6 +245,10 @@ fn included_files_and_values_are_put_in_place() {
     assert_eq!((scene.shapes.len(), imported.inputs.len()), (1, 3));
     let (imported, _) = read(&files, &[("kind", "path"), ("depth", "9")]);
     assert_eq!(imported.scene.expect("a scene").integrator, Integrator::Path { max_depth: 9 });
+    let (imported, _) = read(&files, &[("kind", "path"), ("dept", "9")]);
+    assert!(
+        imported.findings.iter().any(|finding| finding.id == "unknown-parameter" && finding.message.contains("dept"))
+    );
     // What has no value, a circle, and a file that is not there.
     let (imported, _) = read(&files, &[]);
     assert!(imported.findings.iter().any(|finding| finding.id == "unknown-name"));

@@ -130,6 +130,7 @@ impl Reading<'_, '_> {
         match element.tag.as_str() {
             "default" => {
                 let value = element.word("value").to_owned();
+                self.reader.declare(element.word("name"));
                 self.values.entry(element.word("name").to_owned()).or_insert(value);
             }
             "include" => self.include(&element, path, to),
@@ -185,6 +186,7 @@ impl Reading<'_, '_> {
             let after = &rest[at + 1..];
             let length = after.find(|c: char| !(c.is_ascii_alphanumeric() || c == '_')).unwrap_or(after.len());
             let name = &after[..length];
+            self.reader.declare(name);
             match self.values.get(name) {
                 Some(value) => filled.push_str(value),
                 None => {
