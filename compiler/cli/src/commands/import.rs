@@ -41,7 +41,7 @@ pub fn run(command: &Import) -> Result<Exit, Failure> {
     };
     let text = place(command.output.as_deref(), &scene.name);
     let name = text.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let origin = Some(file.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default());
+    let origin = file.file_name().map(|name| format!("Imported from {}.", name.to_string_lossy()));
     let options = Options { name: Some(name.clone()), origin, folder: format!("{name}/") };
     let printed = print::print(&scene, &options);
     if printed.name != name {

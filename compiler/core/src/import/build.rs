@@ -41,6 +41,9 @@ pub struct Wanted {
 /// The limits of the Scene itself, whatever the user allows.
 const NAMED: usize = 1 << 20;
 
+/// A file, its encoding, and the bits of its factor.
+type ImageKey = (VPath, Option<Encoding>, [u64; 3]);
+
 /// A scene in the making.
 #[derive(Default)]
 pub struct Builder {
@@ -53,7 +56,7 @@ pub struct Builder {
     instances: Arena<Instance>,
     cameras: Arena<Camera>,
     known_meshes: HashMap<Wanted, Option<(Handle<Mesh>, bool)>>,
-    known_textures: HashMap<(VPath, Option<Encoding>, [u64; 3]), Option<Handle<Texture>>>,
+    known_textures: HashMap<ImageKey, Option<Handle<Texture>>>,
     equal_materials: HashMap<String, Handle<Material>>,
     names: HashSet<String>,
     /// How often a name was asked for, so that a thousand equal ones are not tried a thousand times each.
@@ -349,16 +352,34 @@ impl Builder {
             }
             camera.name = several.then_some(name);
         }
+        // What was made of a mesh takes its place.
+        let mut used = vec![false; self.meshes.len()];
+        let (mut shapes, mut groups) = (self.shapes, self.groups);
+        let in_groups = groups.values().flat_map(|group| group.shapes.values());
+        shapes.values().chain(in_groups).for_each(|shape| used[shape.mesh.index()] = true);
+        let mut meshes = Arena::default();
+        let kept: Vec<Option<Handle<Mesh>>> = self
+            .meshes
+            .entries()
+            .zip(&used)
+            .map(|((origin, mesh), used)| used.then(|| meshes.push(mesh.clone(), origin.clone())))
+            .collect();
+        let in_groups = groups.iter_mut().flat_map(|(_, group)| group.shapes.iter_mut());
+        for (_, shape) in shapes.iter_mut().chain(in_groups) {
+            if let Some(kept) = kept[shape.mesh.index()] {
+                shape.mesh = kept;
+            }
+        }
         Scene {
             name,
             origin,
             documentation: Documentation::default(),
-            meshes: self.meshes,
+            meshes,
             textures: self.textures,
             materials: self.materials,
-            shapes: self.shapes,
+            shapes,
             lights: self.lights,
-            groups: self.groups,
+            groups,
             instances: self.instances,
             cameras,
             film: settings.film,

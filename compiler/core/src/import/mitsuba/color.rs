@@ -42,7 +42,7 @@ pub fn read(element: &Element, use_of: Use, reader: &mut Reader<'_>) -> Result<C
         // The same at every wavelength, which as light is not the white of the RGB colors (measured with 3.9.1: 1.20, 0.95, 0.91).
         "spectrum" if use_of == Use::Light => match triple(value)? {
             Color::Grey(all) => Color::Spectrum(Spectrum::new(&[(360.0, all), (830.0, all)], Meaning::Light)),
-            other => other,
+            other @ (Color::Rgb(_) | Color::Spectrum(_)) => other,
         },
         "spectrum" | "float" | "integer" => triple(value)?,
         "blackbody" => black_body(element)?,
@@ -95,7 +95,7 @@ fn black_body(element: &Element) -> Result<Color, String> {
     let radiance = |nanometers: f64| {
         let length = nanometers * 1e-9;
         let exponent = 1.438_776_877e-2 / (length * kelvin);
-        scale * 1e-9 * 1.191_042_972e-16 / (length.powi(5) * libm::expm1(exponent))
+        scale * 1e-9 * 1.191_042_972e-16 / (length * length * length * length * length * libm::expm1(exponent))
     };
     let points: Vec<(f64, f64)> =
         (0..=47).map(|at| 360.0 + 10.0 * f64::from(at)).map(|at| (at, radiance(at))).collect();

@@ -348,7 +348,7 @@ impl Shapes {
 /// Says that a round body becomes a mesh.
 fn round(what: &str, plugin: Plugin<'_>, reader: &mut Reader<'_>) {
     // The middle of a segment lies inside by 1 - cos(pi / n) of the radius.
-    let inside = 100.0 * (1.0 - (std::f64::consts::PI / SEGMENTS as f64).cos());
+    let inside = 100.0 * (1.0 - libm::cos(std::f64::consts::PI / SEGMENTS as f64));
     let message =
         format!("{what} becomes a mesh of {SEGMENTS} segments, inside of it by up to {inside:.2} % of its radius");
     reader.lost(Fate::Approximated, plugin.span(), message);

@@ -147,7 +147,6 @@ impl<'e> World<'e> {
     }
 
     fn kind_of(&self, plugin: Plugin<'e>, depth: usize, reader: &mut Reader<'_>, to: &mut Builder) -> Made {
-        let at = Origin::from(plugin.span());
         match plugin.kind() {
             "diffuse" | "roughdiffuse" => {
                 if plugin.kind() == "roughdiffuse" {
@@ -218,7 +217,6 @@ impl<'e> World<'e> {
                 reader.lost(Fate::Dropped, plugin.span(), message);
                 // Whatever it holds belongs to it.
                 plugin.element.children.iter().for_each(|child| child.used.set(true));
-                let _named = to.material("stand-in", Bsdf::Diffuse { reflectance: Color::Grey(0.5).into() }, &at);
                 Made::stand_in()
             }
         }
@@ -329,7 +327,7 @@ impl<'e> World<'e> {
                 reader.lost(Fate::Approximated, plugin.span(), message);
                 base
             }
-            other => other,
+            other @ (ColorOrTexture::Color(_) | ColorOrTexture::Texture(_)) => other,
         };
         Made { uv, ..Made::one_sided(Bsdf::Plastic { reflectance, ior, alpha }) }
     }

@@ -68,7 +68,7 @@ fn a_camera_is_where_it_looks_from() {
     assert_eq!((name, *eye, near, far), (&None, [1.0, 2.0, 3.0], &None, &None));
     assert!(target[2] > eye[2] && close(target[0], 1.0) && close(target[1], 2.0) && close(up[1], 1.0));
     // Twice as wide as high: tan(fov_x / 2) = 2 tan(45 degrees).
-    assert!(close(*fov_x, 2.0 * 2.0_f64.atan().to_degrees()));
+    assert!(close(*fov_x, 2.0 * libm::atan(2.0).to_degrees()));
     assert_eq!((scene.film.width, scene.film.height, &scene.film.filter), (20, 10, &Filter::Box { radius: 0.5 }));
     assert_eq!(scene.integrator, Integrator::Path { max_depth: 3 });
     assert_eq!(scene.sampler, Sampler::Independent { samples: 7, seed: 0 });

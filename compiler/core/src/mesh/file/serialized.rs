@@ -38,9 +38,9 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>) -> Result<(Geometry, Vec<No
     let packed = &block[4..];
     let damaged = |what: &str| FileError::new(format!("byte {start}"), format!("mesh {number} {what}"));
     let most = packed.len().saturating_mul(GROWTH).saturating_add(HEAD);
-    let whole = decompress_to_vec_zlib_with_limit(packed, most).map_err(|fault| match fault.status {
-        TINFLStatus::HasMoreOutput => damaged("unpacks to more than a hundred times its size"),
-        _ => damaged("cannot be unpacked"),
+    let whole = decompress_to_vec_zlib_with_limit(packed, most).map_err(|fault| {
+        let endless = fault.status == TINFLStatus::HasMoreOutput;
+        damaged(if endless { "unpacks to more than a hundred times its size" } else { "cannot be unpacked" })
     })?;
     unpacked(&whole, version).ok_or_else(|| damaged("is cut off, or its counts are wrong"))?.made(start)
 }
