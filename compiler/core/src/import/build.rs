@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use super::reader::{Fate, Reader};
 use crate::diag::{Finding, Origin, Severity};
 use crate::files::VPath;
+use crate::image::write::Depth;
 use crate::image::{self, Loaded, Loss, Pixels};
 use crate::ir::{
     Affine, Arena, Bsdf, Camera, Color, Documentation, Emission, Encoding, Film, Filter, Group, Handle, Instance,
@@ -52,6 +53,7 @@ pub struct Builder {
     cameras: Arena<Camera>,
     known_meshes: HashMap<Wanted, Option<(Handle<Mesh>, bool)>>,
     known_textures: HashMap<(VPath, Option<Encoding>, [u64; 3]), Option<Handle<Texture>>>,
+    remade_textures: HashMap<(usize, String), Option<Handle<Texture>>>,
     equal_materials: HashMap<String, Handle<Material>>,
     names: HashSet<String>,
     /// How often a name was asked for, so that a thousand equal ones are not tried a thousand times each.
@@ -189,6 +191,39 @@ impl Builder {
         let name = "checkerboard".to_owned();
         let texture = Texture { name, file, image: info, encoding: Encoding::Linear, peak, factor: [1.0; 3] };
         Some(self.textures.push(texture, at.clone()))
+    }
+
+    /// Another form of an image that is there, once for each `word`: its linear pixels through `change`.
+    pub fn remade(
+        &mut self,
+        reader: &mut Reader<'_>,
+        texture: Handle<Texture>,
+        word: &str,
+        change: impl FnOnce(Pixels) -> Pixels,
+        at: &Origin,
+    ) -> Option<Handle<Texture>> {
+        let key = (texture.index(), word.to_owned());
+        if let Some(known) = self.remade_textures.get(&key) {
+            return *known;
+        }
+        let old = &self.textures[texture];
+        let (name, factor) = (old.name.clone(), old.factor);
+        let made = image::linear(old).map(change).and_then(|pixels| {
+            let depth = if image::write::fits_half(&pixels) { Depth::Half } else { Depth::Full };
+            image::load("exr", &image::write::exr(&pixels, depth)?, u64::MAX)
+        });
+        let handle = match made {
+            Ok(Loaded { info, file, peak, remarks: _ }) => {
+                let texture = Texture { name, file, image: info, encoding: Encoding::Linear, peak, factor };
+                Some(self.textures.push(texture, at.clone()))
+            }
+            Err(error) => {
+                reader.lost(Fate::Dropped, at.clone(), format!("the image `{name}` {}", error.message));
+                None
+            }
+        };
+        self.remade_textures.insert(key, handle);
+        handle
     }
 
     /// The mean of an image's linear pixels.
