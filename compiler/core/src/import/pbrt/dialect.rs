@@ -19,7 +19,7 @@ pub enum Dialect {
 /// How many files are looked at.
 const MOST_FILES: usize = 64;
 /// How many bytes of each.
-const MOST_BYTES: usize = 1 << 22;
+const MOST_BYTES: usize = 1 << 18;
 
 /// What is known so far.
 #[derive(Default)]
@@ -65,7 +65,8 @@ pub fn of(reader: &mut Reader<'_>, path: &VPath, file: FileId) -> Dialect {
 }
 
 fn look(text: &str, file: FileId, marks: &mut Marks, includes: &mut Vec<String>) {
-    let text = text.get(..MOST_BYTES).unwrap_or(text);
+    let end = (MOST_BYTES.min(text.len())..text.len()).find(|at| text.is_char_boundary(*at)).unwrap_or(text.len());
+    let text = text.get(..end).unwrap_or(text);
     let mut tokens = Tokens::new(text, 0, file);
     let mut directive = String::new();
     let mut skipped = Vec::new();

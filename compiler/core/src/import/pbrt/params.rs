@@ -99,10 +99,10 @@ impl Params {
             if name.is_empty() {
                 continue;
             }
-            if params.list.iter().any(|known| known.name == name) {
-                let message = format!("`{}` of `{}` stands twice: the first one counts", shown(name), params.kind);
-                reader.lost(Fate::Dropped, span, message);
-                continue;
+            if params.has(name) {
+                let message = format!("`{}` of `{}` stands twice: the last one counts", shown(name), shown(&params.kind));
+                reader.lost(Fate::Noise, span, message);
+                params.list.retain(|known| known.name != name);
             }
             let (kind, name) = (kind.to_owned(), name.to_owned());
             params.list.push(Param { span, kind, name, values, used: Cell::new(false) });

@@ -127,6 +127,15 @@ impl World<'_, '_> {
         }
         let eye = column(3);
         let target = [0, 1, 2].map(|axis: usize| eye[axis] + ahead[axis]);
+        // As it is written, where nothing but a mirror stands before it.
+        let [eye, target, up] = match self.look {
+            Some((row, before, behind)) if behind == *map && mirrors(&before) => {
+                let [ex, ey, ez, tx, ty, tz, ux, uy, uz] = row;
+                let outer = self.outer;
+                [outer.point([ex, ey, ez]), outer.point([tx, ty, tz]), outer.vector([ux, uy, uz])]
+            }
+            _ => [eye, target, up],
+        };
         let near = params.float("hither", self.reader).filter(|near| *near > 0.0);
         let far = params.float("yon", self.reader).filter(|far| *far > near.unwrap_or(0.0));
         Some(Camera { name: None, eye, target, up, fov_x, near, far })
@@ -345,4 +354,9 @@ impl World<'_, '_> {
             self.dropped(params.span_of("forcediffuse"), message);
         }
     }
+}
+
+/// Whether a map is nothing, or a mirror of x.
+fn mirrors(map: &Affine) -> bool {
+    *map == Affine::IDENTITY || *map == Affine::scaling([-1.0, 1.0, 1.0])
 }

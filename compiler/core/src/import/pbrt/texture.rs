@@ -85,7 +85,7 @@ impl World<'_, '_> {
     pub fn texture_directive(&mut self, start: usize, tokens: &mut Tokens<'_>) {
         let words = [tokens.string(), tokens.string(), tokens.string()];
         let [Some(name), Some(kind), Some(class)] = words else {
-            self.dropped(tokens.since(start), "`Texture` is left out: three strings do not follow");
+            self.dropped(tokens.since(start), "`Texture` is left out: three strings must follow");
             tokens.skip();
             return;
         };
@@ -336,10 +336,15 @@ impl World<'_, '_> {
         let texture = param.strings().first().cloned()?;
         match self.referred(&texture, false, param.span)? {
             Paint::Color(color) => Some(color.max()),
-            Paint::Image { .. } | Paint::Board { .. } => {
-                let message = format!("a texture of `{}` is left out: it has its default everywhere", shown(name));
-                self.dropped(param.span, message);
-                None
+            Paint::Image { path, encoding, factor, map: _, span } => {
+                let image = self.to.texture(self.reader, &path, Some(encoding), [1.0; 3], &span.into());
+                let Some([r, g, b]) = image.and_then(|image| self.to.mean(image)) else { return None };
+                self.near(param.span, format!("a texture of `{}` is read as its mean", shown(name)));
+                Some((r * factor[0] + g * factor[1] + b * factor[2]) / 3.0)
+            }
+            Paint::Board { colors, map: _, span: _ } => {
+                self.near(param.span, format!("a texture of `{}` is read as its mean", shown(name)));
+                Some(f64::midpoint(colors[0][0], colors[1][0]))
             }
         }
     }

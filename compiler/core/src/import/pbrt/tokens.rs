@@ -130,10 +130,18 @@ impl<'t> Tokens<'t> {
 
     /// Passes over blanks and comments; the next byte, if there is one.
     pub fn peek(&mut self) -> Option<u8> {
-        if let Ok((rest, ())) = blank(self.rest()) {
-            self.move_to(rest);
+        loop {
+            let rest = self.rest();
+            match rest.first() {
+                Some(b' ') => self.at += 1,
+                Some(byte) if is_blank(*byte) || *byte == b'#' => {
+                    if let Ok((rest, ())) = blank(rest) {
+                        self.move_to(rest);
+                    }
+                }
+                other => return other.copied(),
+            }
         }
-        self.rest().first().copied()
     }
 
     /// The next word and its place; none at the end. What cannot be read is passed over up to the end of its line.

@@ -95,6 +95,8 @@ pub struct World<'r, 'f> {
     pub objects: BTreeMap<String, Option<Handle<ir::Group>>>,
     /// The object that is being described.
     pub object: Option<(String, ir::Arena<ir::Shape>, Span)>,
+    /// The last `LookAt` with the transforms before and behind it.
+    pub look: Option<([f64; 9], Affine, Affine)>,
     systems: BTreeMap<String, Affine>,
     stack: Vec<(Block, State, Span)>,
     frames: Vec<Frame>,
@@ -143,6 +145,7 @@ impl<'r, 'f> World<'r, 'f> {
             forms: HashMap::new(),
             objects: BTreeMap::new(),
             object: None,
+            look: None,
             systems: BTreeMap::new(),
             stack: Vec::new(),
             begin: Span::new(file, 0, 1),
@@ -381,7 +384,7 @@ impl<'r, 'f> World<'r, 'f> {
     }
 
     fn malformed(&mut self, word: &str, span: Span, wanted: &str, tokens: &mut Tokens<'_>) {
-        self.dropped(span, format!("`{word}` is left out: {wanted} does not follow"));
+        self.dropped(span, format!("`{word}` is left out: {wanted} must follow"));
         tokens.skip();
     }
 
@@ -544,10 +547,14 @@ impl<'r, 'f> World<'r, 'f> {
                 None => None,
             },
             "LookAt" => match tokens.row() {
-                Some(row) => Some(look_at(row).unwrap_or_else(|| {
-                    self.dropped(span, "`LookAt` is left out: it has no direction");
-                    Affine::IDENTITY
-                })),
+                Some(row) => {
+                    if look_at(row).is_none() {
+                        self.dropped(span, "`LookAt` is left out: it has no direction");
+                    }
+                    let map = look_at(row).unwrap_or(Affine::IDENTITY);
+                    self.look = Some((row, self.state.map, map.then(&self.state.map)));
+                    Some(map)
+                }
                 None => None,
             },
             _ => tokens.row().map(|row| self.matrix(&row, span)),
