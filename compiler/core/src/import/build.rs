@@ -86,8 +86,7 @@ impl Default for Settings {
 impl Builder {
     /// A name that nothing else has, near the one that is wished for.
     pub fn unique(&mut self, wish: &str) -> String {
-        let wish: String = wish.chars().filter(|c| !c.is_control()).take(200).collect();
-        let wish = if wish.trim().is_empty() { "unnamed".to_owned() } else { wish };
+        let wish = plain(wish);
         if self.names.insert(wish.clone()) {
             return wish;
         }
@@ -246,7 +245,7 @@ impl Builder {
 
     /// A material, once for each name and meaning.
     pub fn material(&mut self, name: &str, bsdf: Bsdf, at: &Origin) -> Handle<Material> {
-        let made = Material { name: name.to_owned(), bsdf };
+        let made = Material { name: plain(name), bsdf };
         let materials = &mut self.materials;
         *self.equal_materials.entry(format!("{made:?}")).or_insert_with(|| materials.push(made, at.clone()))
     }
@@ -284,7 +283,7 @@ impl Builder {
 
     /// A group.
     pub fn group(&mut self, name: &str, shapes: Arena<Shape>, at: &Origin) -> Handle<Group> {
-        let group = Group { name: name.to_owned(), shapes, instances: Arena::default() };
+        let group = Group { name: plain(name), shapes, instances: Arena::default() };
         self.groups.push(group, at.clone())
     }
 
@@ -399,6 +398,12 @@ impl Builder {
             sampler: settings.sampler,
         }
     }
+}
+
+/// A name as the Scene has them: short, without control characters.
+fn plain(name: &str) -> String {
+    let name: String = name.chars().filter(|c| !c.is_control()).take(200).collect();
+    if name.trim().is_empty() { "unnamed".to_owned() } else { name }
 }
 
 fn read_mesh(reader: &mut Reader<'_>, wanted: &Wanted, at: &Origin) -> Option<(Geometry, bool)> {

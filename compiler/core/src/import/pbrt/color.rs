@@ -28,6 +28,9 @@ impl Use {
     }
 }
 
+/// No light is brighter, so that its numbers stay finite.
+const BRIGHTEST: f64 = 1e30;
+
 /// v4's glasses: indices at the yellow line of helium (587.6 nm), by the catalogue of Schott. The names are those of `spectrum.cpp`.
 const GLASSES: [(&str, f64); 7] = [
     ("glass-BK7", 1.5168),
@@ -61,8 +64,7 @@ pub fn times(a: &Color, b: &Color) -> Color {
         // Of light, since only light is multiplied.
         Color::Spectrum(_) if *factor == 1.0 => other.clone(),
         Color::Spectrum(spectrum) => {
-            let points: Vec<(f64, f64)> =
-                spectrum.points().iter().map(|(at, value)| (*at, value * factor)).collect();
+            let points: Vec<(f64, f64)> = spectrum.points().iter().map(|(at, value)| (*at, value * factor)).collect();
             Color::Spectrum(Spectrum::new(&points, Meaning::Light))
         }
     }
@@ -222,12 +224,15 @@ impl World<'_, '_> {
 
     /// What lies outside of what a color of this use can be.
     pub fn cut(&mut self, color: Color, use_of: Use, span: Span) -> Color {
-        let most = if use_of == Use::Share { 1.0 } else { f64::INFINITY };
+        let most = if use_of == Use::Share { 1.0 } else { BRIGHTEST };
         if color.min() >= 0.0 && color.max() <= most {
             return color;
         }
-        let what =
-            if use_of == Use::Share { "a share of light beyond 0 to 1 is cut" } else { "a color below 0 is cut" };
+        let what = match use_of {
+            Use::Share => "a share of light beyond 0 to 1 is cut",
+            Use::Light | Use::Index if color.min() < 0.0 => "a color below 0 is cut",
+            Use::Light | Use::Index => "a color beyond 1e30 is cut",
+        };
         self.near(span, what);
         match color {
             Color::Grey(grey) => Color::Grey(grey.clamp(0.0, most)),
@@ -243,8 +248,10 @@ impl World<'_, '_> {
 
 /// Pairs of wavelength and value.
 fn points(numbers: &[f64]) -> Result<Vec<(f64, f64)>, String> {
-    let pairs: Vec<(f64, f64)> =
-        numbers.chunks_exact(2).filter_map(|pair| if let [at, value] = pair { Some((*at, *value)) } else { None }).collect();
+    let pairs: Vec<(f64, f64)> = numbers
+        .chunks_exact(2)
+        .filter_map(|pair| if let [at, value] = pair { Some((*at, *value)) } else { None })
+        .collect();
     let grows = pairs.windows(2).all(|two| matches!(two, [a, b] if a.0 < b.0));
     if pairs.is_empty() || !numbers.len().is_multiple_of(2) || !grows || pairs.iter().any(|pair| pair.0 <= 0.0) {
         return Err("it is no list of growing wavelengths with their values".to_owned());

@@ -29,6 +29,8 @@ struct Marks {
     old: bool,
     /// `color` as a type, which v3 takes too.
     color: bool,
+    /// A camera: a whole scene, which in v1 and v2 says how it is rendered.
+    camera: bool,
 }
 
 /// The version of a text and of what it includes.
@@ -59,7 +61,7 @@ pub fn of(reader: &mut Reader<'_>, path: &VPath, file: FileId) -> Dialect {
         Marks { v4: true, .. } => Dialect::V4,
         Marks { old: true, .. } => Dialect::Old,
         Marks { v3: true, .. } => Dialect::V3,
-        Marks { color: true, .. } => Dialect::Old,
+        Marks { color: true, camera: false, .. } => Dialect::Old,
         Marks { .. } => Dialect::V3,
     }
 }
@@ -85,6 +87,7 @@ fn look(text: &str, file: FileId, marks: &mut Marks, includes: &mut Vec<String>)
                     "Option" | "ColorSpace" | "Attribute" | "Import" => marks.v4 = true,
                     "SurfaceIntegrator" | "VolumeIntegrator" | "Renderer" | "Volume" | "SearchPath" => marks.old = true,
                     "Integrator" | "MakeNamedMedium" | "MediumInterface" => marks.v3 = true,
+                    "Camera" => marks.camera = true,
                     _ => {}
                 }
                 if word.starts_with(|letter: char| letter.is_ascii_uppercase()) {
@@ -110,8 +113,15 @@ fn look(text: &str, file: FileId, marks: &mut Marks, includes: &mut Vec<String>)
                     | ("Integrator", "lightpath" | "simplepath" | "simplevolpath" | "randomwalk" | "function")
                     | (
                         "Material" | "MakeNamedMaterial",
-                        "coateddiffuse" | "coatedconductor" | "diffuse" | "conductor" | "dielectric" | "thindielectric"
-                        | "diffusetransmission" | "interface" | "measured",
+                        "coateddiffuse"
+                        | "coatedconductor"
+                        | "diffuse"
+                        | "conductor"
+                        | "dielectric"
+                        | "thindielectric"
+                        | "diffusetransmission"
+                        | "interface"
+                        | "measured",
                     ) => marks.v4 = true,
                     ("Sampler", "02sequence" | "maxmindist" | "sobol")
                     | ("Material" | "MakeNamedMaterial", "fourier" | "disney" | "hair") => marks.v3 = true,

@@ -6,6 +6,7 @@ use std::rc::Rc;
 use super::color::{Use, times};
 use super::dialect::Dialect;
 use super::params::{Params, shown};
+use super::settings::FARTHEST;
 use super::world::{World, inverse};
 use crate::diag::Span;
 use crate::files::VPath;
@@ -33,7 +34,8 @@ impl World<'_, '_> {
     fn strength(&mut self, params: &Params, name: &str) -> Color {
         let color = self.color(params, name, Use::Light).unwrap_or(Color::Grey(1.0));
         let scale = self.color(params, "scale", Use::Light).unwrap_or(Color::Grey(1.0));
-        times(&color, &scale).meant(Meaning::Light)
+        let strength = times(&color, &scale).meant(Meaning::Light);
+        self.cut(strength, Use::Light, params.span)
     }
 
     /// `AreaLightSource`.
@@ -85,7 +87,8 @@ impl World<'_, '_> {
                 let share = 2.0 * PI * ((1.0 - start) + (start - end) / 2.0);
                 let intensity = self.powered(params, intensity, "power", 1.0 / share.max(1e-12));
                 if inner < angle {
-                    let message = "light of a spot falls off linearly with the angle between its inner cone and its edge";
+                    let message =
+                        "light of a spot falls off linearly with the angle between its inner cone and its edge";
                     self.near(params.span, message);
                 }
                 let direction = normalized(sub(target, position));
@@ -105,6 +108,15 @@ impl World<'_, '_> {
                 return;
             }
         };
+        let places = match &kind {
+            Some(LightKind::Point { position, intensity: _ }) => [*position; 2],
+            Some(LightKind::Spot { position, target, intensity: _, angle: _, inner: _ }) => [*position, *target],
+            _ => [[0.0; 3]; 2],
+        };
+        if !places.iter().flatten().all(|x| x.abs() <= FARTHEST) {
+            self.dropped(params.span, "a light that is farther away than 1e30 is left out");
+            return;
+        }
         match kind {
             Some(kind) => self.to.light(self.reader, &params.kind, kind, &params.span.into()),
             None if params.kind == "spot" || params.kind == "distant" => {
@@ -118,7 +130,10 @@ impl World<'_, '_> {
     /// and RGB is measured by its white (`SpectrumToPhotometric`).
     fn powered(&mut self, params: &Params, strength: Color, name: &str, share: f64) -> Color {
         match params.float(name, self.reader).filter(|power| *power > 0.0) {
-            Some(power) => times(&strength, &Color::Grey(power * share)),
+            Some(power) => {
+                let strength = times(&strength, &Color::Grey(power * share));
+                self.cut(strength, Use::Light, params.span)
+            }
             None => strength,
         }
     }

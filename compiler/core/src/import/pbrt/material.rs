@@ -66,16 +66,13 @@ fn with_alpha(bsdf: Bsdf, width: f64) -> Bsdf {
 impl World<'_, '_> {
     /// `MakeNamedMaterial`.
     pub fn make_named_material(&mut self, name: &str, params: &Params) {
-        let kind = params.string("type", self.reader).map(str::to_owned);
-        let Some(kind) = kind else {
-            if !params.has("type") {
-                let message = format!("the material `{}` is left out: it has no `type`", shown(name));
-                self.dropped(params.span, message);
-            }
+        if !params.has("type") {
+            let message = format!("the material `{}` is left out: it has no `type`", shown(name));
+            self.dropped(params.span, message);
             params.pass_all();
             return;
-        };
-        let surface = self.surface(&kind, name, params);
+        }
+        let surface = self.surface(&params.kind, name, params);
         if self.materials.insert(name.to_owned(), Rc::new(surface)).is_some() {
             let message = format!("the material `{}` is made twice: the last one counts from here on", shown(name));
             self.reader.lost(Fate::Noise, params.span, message);
@@ -168,11 +165,8 @@ impl World<'_, '_> {
                 self.dropped(params.span, message);
                 params.pass(&["interface.roughness", "interface.uroughness", "interface.vroughness", "interface.eta"]);
                 params.pass(&["thickness", "g", "albedo", "maxdepth", "nsamples"]);
-                let alpha = self.alpha_of(
-                    params,
-                    ["conductor.roughness", "conductor.uroughness", "conductor.vroughness"],
-                    0.0,
-                );
+                let alpha =
+                    self.alpha_of(params, ["conductor.roughness", "conductor.uroughness", "conductor.vroughness"], 0.0);
                 if params.has("reflectance") {
                     let reflectance = self.tint(params, "reflectance", 1.0);
                     return alone(with_alpha(metal_of(&reflectance), alpha));
@@ -181,8 +175,7 @@ impl World<'_, '_> {
                 alone(Bsdf::Conductor { eta, k, alpha })
             }
             "translucent" | "diffusetransmission" => {
-                let (name, part) =
-                    if kind == "translucent" { ("Kd", "reflect") } else { ("reflectance", "") };
+                let (name, part) = if kind == "translucent" { ("Kd", "reflect") } else { ("reflectance", "") };
                 let (mut reflectance, map) = self.paint(params, name, 0.25);
                 let message = format!("`{kind}` lets no light through: what it reflects is read as a diffuse surface");
                 self.dropped(params.span, message);
@@ -308,7 +301,10 @@ impl World<'_, '_> {
             return (Some(Bsdf::Diffuse { reflectance }), map);
         }
         let ior = ior_of(share * head_on);
-        let message = format!("`{}` is read as a diffuse base under a clear coat that reflects as much head-on", shown(&params.kind));
+        let message = format!(
+            "`{}` is read as a diffuse base under a clear coat that reflects as much head-on",
+            shown(&params.kind)
+        );
         self.near(params.span, message);
         if !specular.is_grey() {
             self.near(params.span_of("Ks"), "the highlights of a coat have no color");
@@ -378,9 +374,8 @@ impl World<'_, '_> {
 
     fn disney(&mut self, params: &Params) -> (Option<Bsdf>, Map) {
         let (base, map) = self.paint(params, "color", 0.5);
-        let share = |name: &str, default: f64, world: &mut Self| {
-            world.number(params, name).unwrap_or(default).clamp(0.0, 1.0)
-        };
+        let share =
+            |name: &str, default: f64, world: &mut Self| world.number(params, name).unwrap_or(default).clamp(0.0, 1.0);
         let (metallic, roughness) = (share("metallic", 0.0, self), share("roughness", 0.5, self));
         let ior = self.ior(params, 1.5).clamp(1.0001, 10.0);
         let others = ["speculartint", "anisotropic", "sheen", "clearcoat", "spectrans", "flatness", "difftrans"];
@@ -428,11 +423,15 @@ impl World<'_, '_> {
         let (a, b) = match found.as_slice() {
             [Some(a), Some(b)] => (Rc::clone(a), Rc::clone(b)),
             _ => {
-                self.dropped(params.span, "a mixture of materials that are not there is read as a grey diffuse surface");
+                self.dropped(
+                    params.span,
+                    "a mixture of materials that are not there is read as a grey diffuse surface",
+                );
                 return (Some(grey()), Map::IDENTITY);
             }
         };
-        if let (Some(Bsdf::Diffuse { reflectance: one }), Some(Bsdf::Diffuse { reflectance: other })) = (&a.bsdf, &b.bsdf)
+        if let (Some(Bsdf::Diffuse { reflectance: one }), Some(Bsdf::Diffuse { reflectance: other })) =
+            (&a.bsdf, &b.bsdf)
             && let (Some(one), Some(other)) = (one.color(), other.color())
         {
             let (one, other) = (one.rgb(), other.rgb());

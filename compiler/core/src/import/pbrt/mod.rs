@@ -24,8 +24,7 @@ use crate::ir::Scene;
 use world::World;
 
 /// Its row.
-pub(super) const IMPORTER: Importer =
-    Importer { name: "pbrt", summary: "a scene of PBRT", endings: &["pbrt"], read };
+pub(super) const IMPORTER: Importer = Importer { name: "pbrt", summary: "a scene of PBRT", endings: &["pbrt"], read };
 
 fn read(reader: &mut Reader<'_>, path: &VPath) -> Option<Scene> {
     let mut world = World::new(reader, path)?;

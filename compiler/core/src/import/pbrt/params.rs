@@ -100,7 +100,8 @@ impl Params {
                 continue;
             }
             if params.has(name) {
-                let message = format!("`{}` of `{}` stands twice: the last one counts", shown(name), shown(&params.kind));
+                let message =
+                    format!("`{}` of `{}` stands twice: the last one counts", shown(name), shown(&params.kind));
                 reader.lost(Fate::Noise, span, message);
                 params.list.retain(|known| known.name != name);
             }
@@ -316,7 +317,9 @@ fn values(tokens: &mut Tokens<'_>, reader: &mut Reader<'_>) -> Option<Values> {
                     return None;
                 }
             },
-            Some((Token::Open, span)) => reader.lost(Fate::Dropped, span, "`[` is left out: an array stands in no other"),
+            Some((Token::Open, span)) => {
+                reader.lost(Fate::Dropped, span, "`[` is left out: an array stands in no other")
+            }
             Some((Token::Broken, span)) => {
                 reader.lost(Fate::Dropped, span, "a text in quotes without an end is left out");
             }

@@ -5,7 +5,7 @@ use super::params::{Params, shown};
 use super::world::{World, inverse};
 use crate::import::build::Settings;
 use crate::import::reader::Fate;
-use crate::ir::{Affine, Camera, Film, Filter, Integrator, Sampler, Vec3, dot, length, normalized};
+use crate::ir::{Affine, Camera, Film, Filter, Integrator, Sampler, Vec3, cross, dot, length, normalized};
 
 /// What a file has said so far, with the defaults of its version.
 pub struct Wanted {
@@ -20,6 +20,9 @@ pub struct Wanted {
 
 /// v3's and v4's own depth, `maxdepth` 5, which counts bounces between segments.
 const DEPTH: u32 = 6;
+
+/// The coordinates that a Scene has.
+pub const FARTHEST: f64 = 1e30;
 
 impl Wanted {
     /// The defaults of a version (`RenderOptions` of `api.cpp`; `BasicSceneBuilder` of v4).
@@ -104,7 +107,8 @@ impl World<'_, '_> {
                 45.0
             }
             other => {
-                let message = format!("the camera `{}` is not known: it is read as a pinhole of 45 degrees", shown(other));
+                let message =
+                    format!("the camera `{}` is not known: it is read as a pinhole of 45 degrees", shown(other));
                 self.dropped(params.span, message);
                 params.pass_all();
                 45.0
@@ -112,6 +116,10 @@ impl World<'_, '_> {
         };
         let tangent = libm::tan((fov / 2.0).to_radians()) * wide / 2.0;
         let fov_x = (2.0 * libm::atan(tangent)).to_degrees();
+        if !(1e-6..=179.999).contains(&fov_x) {
+            self.dropped(params.span, format!("an image of {fov_x} degrees is read as one of 90"));
+        }
+        let fov_x = if (1e-6..=179.999).contains(&fov_x) { fov_x } else { 90.0 };
         if params.float("lensradius", self.reader).is_some_and(|radius| radius > 0.0) {
             let message = "the aperture of a camera is left out: all is in focus";
             self.dropped(params.span_of("lensradius"), message);
@@ -126,7 +134,9 @@ impl World<'_, '_> {
             self.dropped(params.span, "the image of a camera that is scaled unevenly is not");
         }
         let eye = column(3);
-        let target = [0, 1, 2].map(|axis: usize| eye[axis] + ahead[axis]);
+        // Far from the origin a step of 1 may be none.
+        let step = eye.iter().fold(1.0, |most: f64, x| most.max(x.abs() * 1e-3));
+        let target = [0, 1, 2].map(|axis: usize| eye[axis] + ahead[axis] * step);
         // As it is written, where nothing but a mirror stands before it.
         let [eye, target, up] = match self.look {
             Some((row, before, behind)) if behind == *map && mirrors(&before) => {
@@ -136,6 +146,10 @@ impl World<'_, '_> {
             }
             _ => [eye, target, up],
         };
+        if ![eye, target, up].iter().flatten().all(|x| x.abs() <= FARTHEST) || normalized(cross(ahead, up)).is_none() {
+            self.dropped(params.span, "a camera is left out: its transform has no inverse, or it is farther away than 1e30");
+            return None;
+        }
         let near = params.float("hither", self.reader).filter(|near| *near > 0.0);
         let far = params.float("yon", self.reader).filter(|far| *far > near.unwrap_or(0.0));
         Some(Camera { name: None, eye, target, up, fov_x, near, far })
@@ -177,7 +191,10 @@ impl World<'_, '_> {
             }
         }
         if params.float("scale", self.reader).is_some_and(|scale| scale != 1.0) {
-            self.dropped(params.span_of("scale"), "the scale of a film is left out: the image has the scene's radiance");
+            self.dropped(
+                params.span_of("scale"),
+                "the scale of a film is left out: the image has the scene's radiance",
+            );
         }
         // v4's sensor: `imagingRatio` is exposure time * iso / 100.
         let iso = params.float("iso", self.reader).unwrap_or(100.0);
@@ -240,7 +257,8 @@ impl World<'_, '_> {
         params.pass(&["B", "C", "tau"]);
         let fate = if known { Fate::Approximated } else { Fate::Dropped };
         let kind = shown(&params.kind);
-        let message = format!("the filter `{kind}` is read as a Gaussian with a standard deviation of {stddev:.3} pixels");
+        let message =
+            format!("the filter `{kind}` is read as a Gaussian with a standard deviation of {stddev:.3} pixels");
         self.reader.lost(fate, params.span, message);
         self.wanted.film.filter = Filter::Gaussian { stddev, radius: 4.0 * stddev };
     }
@@ -273,7 +291,15 @@ impl World<'_, '_> {
                 Sampler::Independent { samples, seed }
             }
         };
-        params.pass(&["dimensions", "jitter", "randomization", "xsamples", "ysamples", "samplepixelcenter", "minsamples"]);
+        params.pass(&[
+            "dimensions",
+            "jitter",
+            "randomization",
+            "xsamples",
+            "ysamples",
+            "samplepixelcenter",
+            "minsamples",
+        ]);
         params.pass(&["maxsamples", "method", "adaptivemethod"]);
     }
 

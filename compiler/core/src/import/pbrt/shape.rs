@@ -39,7 +39,9 @@ impl World<'_, '_> {
         let radiance = self.radiance(mesh);
         let lit = radiance.is_some();
         // Light passes what has no material as if it was not there.
-        let Some(bsdf) = bsdf.or_else(|| lit.then(|| Bsdf::Diffuse { reflectance: Color::BLACK.into() })) else { return };
+        let Some(bsdf) = bsdf.or_else(|| lit.then(|| Bsdf::Diffuse { reflectance: Color::BLACK.into() })) else {
+            return;
+        };
         if bsdf.texture().is_some() {
             mesh = self.mapped(mesh, map);
         }
@@ -88,7 +90,8 @@ impl World<'_, '_> {
             self.near(area.span, message);
         }
         let share = if mean > 0.0 { power / (sides * PI * mean) } else { 0.0 };
-        Some(super::color::times(&area.radiance, &Color::Grey(share)))
+        let radiance = super::color::times(&area.radiance, &Color::Grey(share));
+        Some(self.cut(radiance, super::color::Use::Light, area.span))
     }
 
     /// Holes in a surface.
@@ -202,6 +205,11 @@ impl World<'_, '_> {
             Some(mesh) => mesh,
             None => {
                 let geometry = make();
+                let whole = mesh::area((&geometry).into());
+                if !whole.is_finite() || whole <= 0.0 {
+                    self.dropped(params.span, format!("{what} without an area is left out"));
+                    return None;
+                }
                 let geometry = if self.state.reverse { mesh::flip(geometry) } else { geometry };
                 let mesh = self.to.mesh(self.reader, kind, geometry, &params.span.into())?;
                 self.bodies.insert(key, mesh);
@@ -411,7 +419,8 @@ fn indexed<const N: usize>(numbers: &[f64]) -> Option<Vec<[u32; N]>> {
     if numbers.is_empty() || !numbers.len().is_multiple_of(N) {
         return None;
     }
-    let whole = |value: f64| (value >= 0.0 && value <= f64::from(u32::MAX) && value.fract() == 0.0).then_some(value as u32);
+    let whole =
+        |value: f64| (value >= 0.0 && value <= f64::from(u32::MAX) && value.fract() == 0.0).then_some(value as u32);
     let row = |row: &[f64]| {
         let mut indices = [0; N];
         for (index, value) in indices.iter_mut().zip(row) {

@@ -55,17 +55,22 @@ impl Read {
         &self.material().bsdf
     }
 
-    /// The normal of the first triangle of a shape, in the scene, and the corner's own if it has one.
+    /// The side from which the corners of a shape's first triangle run counter-clockwise, in the scene as it is written out.
     fn front(&self, at: usize) -> [f64; 3] {
-        let shape = self.shape(at);
-        let mesh = &self.scene().meshes[shape.mesh];
-        let [a, b, c] = mesh.corners(mesh.triangles[0]);
-        let normal = crate::ir::cross(crate::ir::sub(b, a), crate::ir::sub(c, a));
-        // A mirroring transform turns the winding over with the mesh: the front goes where the surface goes.
-        let rows = shape.transform.cofactors();
-        let sign = shape.transform.determinant().signum();
-        let mapped = rows.map(|row| sign * crate::ir::dot(row, normal));
-        crate::ir::normalized(mapped).expect("an area")
+        let (scene, _) = crate::pipeline::prepare(self.scene().clone()).expect("a valid scene");
+        let shape = scene.shapes.values().nth(at).expect("a shape");
+        let mesh = &scene.meshes[shape.mesh];
+        let [a, b, c] = mesh.corners(mesh.triangles[0]).map(|corner| shape.transform.point(corner));
+        assert!(shape.transform.determinant() > 0.0);
+        if let Some(normals) = &mesh.normals {
+            let normal = shape
+                .transform
+                .cofactors()
+                .map(|row| crate::ir::dot(row, normals[mesh.triangles[0][0] as usize].map(f64::from)));
+            let along = crate::ir::dot(normal, crate::ir::cross(crate::ir::sub(b, a), crate::ir::sub(c, a)));
+            assert!(along > 0.0, "normals and corners agree");
+        }
+        crate::ir::normalized(crate::ir::cross(crate::ir::sub(b, a), crate::ir::sub(c, a))).expect("an area")
     }
 }
 

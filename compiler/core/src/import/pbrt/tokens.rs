@@ -96,13 +96,8 @@ fn token(input: Input<'_>) -> IResult<Input<'_>, Token> {
         Some(number) => Token::Number(number),
         None => Token::Word(String::from_utf8_lossy(word).into_owned()),
     };
-    alt((
-        map(quoted, Token::Quoted),
-        value(Token::Open, char('[')),
-        value(Token::Close, char(']')),
-        map(word, plain),
-    ))
-    .parse(input)
+    alt((map(quoted, Token::Quoted), value(Token::Open, char('[')), value(Token::Close, char(']')), map(word, plain)))
+        .parse(input)
 }
 
 /// The words of a text from a byte on.

@@ -170,7 +170,8 @@ impl<'r, 'f> World<'r, 'f> {
             };
             self.steps += 1;
             if self.steps > self.reader.limits().steps {
-                let message = format!("reading ends here: there are more than {} directives", self.reader.limits().steps);
+                let message =
+                    format!("reading ends here: there are more than {} directives", self.reader.limits().steps);
                 self.reader.lost_with(Fate::Dropped, span, message, "`--limit steps=N` allows more");
                 break;
             }
@@ -396,7 +397,13 @@ impl<'r, 'f> World<'r, 'f> {
             "MakeNamedMedium" => "medium",
             _ => "",
         };
-        let params = self.params(kind, target, start, tokens);
+        let mut params = self.params(kind, target, start, tokens);
+        if word == "MakeNamedMaterial" {
+            // What is said of it is said of its kind.
+            let kind = params.string("type", self.reader).map(str::to_owned);
+            params.kind = kind.unwrap_or_else(|| "MakeNamedMaterial".to_owned());
+        }
+        let params = params;
         match word {
             "Camera" => {
                 self.systems.insert("camera".to_owned(), inverse(&self.state.map).unwrap_or(Affine::IDENTITY));
@@ -552,7 +559,7 @@ impl<'r, 'f> World<'r, 'f> {
                         self.dropped(span, "`LookAt` is left out: it has no direction");
                     }
                     let map = look_at(row).unwrap_or(Affine::IDENTITY);
-                    self.look = Some((row, self.state.map, map.then(&self.state.map)));
+                    self.look = look_at(row).map(|map| (row, self.state.map, map.then(&self.state.map)));
                     Some(map)
                 }
                 None => None,

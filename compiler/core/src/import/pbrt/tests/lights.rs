@@ -20,7 +20,11 @@ fn radiance(read: &Read) -> [f64; 3] {
 fn surfaces_emit_on_the_side_of_their_normals() {
     let up = [0.0, 0.0, 1.0];
     let down = [0.0, 0.0, -1.0];
-    let normals = |z: i32| format!("Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2] \"normal N\" [0 0 {z} 0 0 {z} 0 0 {z}]");
+    let normals = |z: i32| {
+        format!(
+            "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2] \"normal N\" [0 0 {z} 0 0 {z} 0 0 {z}]"
+        )
+    };
     let cases = [
         (String::new(), TRIANGLE.to_owned(), up),
         ("ReverseOrientation".to_owned(), TRIANGLE.to_owned(), down),
@@ -43,8 +47,14 @@ fn surfaces_emit_on_the_side_of_their_normals() {
 
 #[test]
 fn strengths_of_surfaces() {
-    assert_eq!(radiance(&world("AreaLightSource \"area\" \"color L\" [1 2 3] \"integer nsamples\" 4")), [1.0, 2.0, 3.0]);
-    assert_eq!(radiance(&world("AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] \"rgb scale\" [2 2 1]")), [2.0, 4.0, 3.0]);
+    assert_eq!(
+        radiance(&world("AreaLightSource \"area\" \"color L\" [1 2 3] \"integer nsamples\" 4")),
+        [1.0, 2.0, 3.0]
+    );
+    assert_eq!(
+        radiance(&world("AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] \"rgb scale\" [2 2 1]")),
+        [2.0, 4.0, 3.0]
+    );
     assert_eq!(radiance(&world("AreaLightSource \"diffuse\" \"rgb L\" [1 2 3] \"float scale\" 2")), [2.0, 4.0, 6.0]);
     let read = world("AreaLightSource \"diffuse\" \"bool twosided\" \"true\"");
     assert!(read.says(3, "loss-dropped", "both sides"));
@@ -76,21 +86,34 @@ fn a_black_body_of_v3_has_the_peak_1() {
 
 #[test]
 fn points_and_spots() {
-    let read = world("Translate 0 0 7 LightSource \"point\" \"point from\" [1 2 3] \"rgb I\" [1 2 3] \"rgb scale\" [2 2 2] Identity");
+    let read = world(
+        "Translate 0 0 7 LightSource \"point\" \"point from\" [1 2 3] \"rgb I\" [1 2 3] \"rgb scale\" [2 2 2] Identity",
+    );
     assert_eq!(light(&read), &LightKind::Point { position: [1.0, 2.0, 10.0], intensity: Color::Rgb([2.0, 4.0, 6.0]) });
     let read = super::read(&format!("{V4} {HEAD}LightSource \"point\" \"float power\" 100{TRIANGLE}"));
     let LightKind::Point { position: _, intensity } = light(&read) else { panic!("no point") };
     assert!(close(&intensity.rgb(), &[100.0 / (4.0 * PI); 3]));
-    let read = world("LightSource \"spot\" \"point from\" [0 0 3] \"point to\" [1 0 3] \"float coneangle\" 40 \"float conedeltaangle\" 10 \"rgb I\" [5 5 5]");
+    let read = world(
+        "LightSource \"spot\" \"point from\" [0 0 3] \"point to\" [1 0 3] \"float coneangle\" 40 \"float conedeltaangle\" 10 \"rgb I\" [5 5 5]",
+    );
     assert!(read.says(3, "loss-approximated", "falls off linearly"));
-    let known = LightKind::Spot { position: [0.0, 0.0, 3.0], target: [1.0, 0.0, 3.0], intensity: Color::Grey(5.0), angle: 40.0, inner: 30.0 };
+    let known = LightKind::Spot {
+        position: [0.0, 0.0, 3.0],
+        target: [1.0, 0.0, 3.0],
+        intensity: Color::Grey(5.0),
+        angle: 40.0,
+        inner: 30.0,
+    };
     assert_eq!(light(&read), &known);
 }
 
 #[test]
 fn parallel_light_goes_from_one_point_to_another() {
     let read = world("LightSource \"distant\" \"point from\" [0 0 4] \"point to\" [0 3 4] \"rgb L\" [1 2 3]");
-    assert_eq!(light(&read), &LightKind::Directional { direction: [0.0, 1.0, 0.0], irradiance: Color::Rgb([1.0, 2.0, 3.0]) });
+    assert_eq!(
+        light(&read),
+        &LightKind::Directional { direction: [0.0, 1.0, 0.0], irradiance: Color::Rgb([1.0, 2.0, 3.0]) }
+    );
     assert!(world("LightSource \"distant\" \"point to\" [0 0 0]").says(3, "loss-dropped", "without a direction"));
     let read = super::read(&format!("{V4} {HEAD}LightSource \"distant\" \"float illuminance\" 3{TRIANGLE}"));
     let LightKind::Directional { direction: _, irradiance } = light(&read) else { panic!("none") };
@@ -122,7 +145,8 @@ fn seen(read: &Read, direction: [f64; 3]) -> [f64; 3] {
     assert!(turn.is_rotation(), "{turn:?}");
     let pixels = crate::image::linear(texture).expect("pixels");
     // The way back of a rotation is its transpose.
-    let back = [0, 1, 2].map(|column: usize| crate::ir::dot([0, 1, 2].map(|row: usize| turn.rows[row][column]), direction));
+    let back =
+        [0, 1, 2].map(|column: usize| crate::ir::dot([0, 1, 2].map(|row: usize| turn.rows[row][column]), direction));
     crate::image::sphere::seen(&pixels, back)
 }
 
@@ -139,20 +163,27 @@ fn an_environment_of_v3_is_seen_where_v3_sees_it() {
     let file = map(64, 32);
     let cases = [(HEAD, ""), (HEAD, "Rotate 30 0 0 1 Rotate 50 1 0 0"), (HEAD, "Scale -1 1 1 Rotate 20 0 1 0")];
     for (head, transform) in cases {
-        let text = format!("{head}AttributeBegin {transform} LightSource \"infinite\" \"string mapname\" \"m.pfm\" \"rgb L\" [2 2 2] AttributeEnd\n{transform}{TRIANGLE}");
+        let text = format!(
+            "{head}AttributeBegin {transform} LightSource \"infinite\" \"string mapname\" \"m.pfm\" \"rgb L\" [2 2 2] AttributeEnd\n{transform}{TRIANGLE}"
+        );
         let read = read_with(&text, &[("a/m.pfm", &file)]);
         assert_eq!(read.said(), [], "{transform}");
         for local in DIRECTIONS.map(unit) {
             let phi = local[1].atan2(local[0]).rem_euclid(2.0 * PI);
             let known = [phi / (2.0 * PI), local[2].acos() / PI];
             let found = seen(&read, read.shape(0).transform.vector(local));
-            assert!((found[0] - known[0]).abs() < 1e-3 && (found[1] - known[1]).abs() < 1e-3, "{transform} {local:?}: {found:?} {known:?}");
+            assert!(
+                (found[0] - known[0]).abs() < 1e-3 && (found[1] - known[1]).abs() < 1e-3,
+                "{transform} {local:?}: {found:?} {known:?}"
+            );
         }
         let LightKind::Environment { radiance: _, tint, turn: _ } = light(&read) else { panic!("no environment") };
         assert_eq!(tint, &Color::Grey(2.0));
     }
     // The world is mirrored, and the environment with it.
-    let left = format!("LookAt 0 0 5 0 0 0 0 1 0 Camera \"perspective\" WorldBegin LightSource \"infinite\" \"string mapname\" \"m.pfm\"{TRIANGLE}");
+    let left = format!(
+        "LookAt 0 0 5 0 0 0 0 1 0 Camera \"perspective\" WorldBegin LightSource \"infinite\" \"string mapname\" \"m.pfm\"{TRIANGLE}"
+    );
     let read = read_with(&left, &[("a/m.pfm", &file)]);
     for local in DIRECTIONS.map(unit) {
         let phi = local[1].atan2(local[0]).rem_euclid(2.0 * PI);
@@ -165,14 +196,23 @@ fn an_environment_of_v3_is_seen_where_v3_sees_it() {
 fn an_environment_of_v4_is_seen_where_v4_sees_it() {
     let file = map(64, 64);
     for transform in ["", "Rotate 30 0 0 1 Rotate 50 1 0 0", "Scale -1 1 1 Rotate 20 0 1 0"] {
-        let text = format!("{V4} {HEAD}AttributeBegin {transform} LightSource \"infinite\" \"string filename\" \"m.pfm\" \"float scale\" 3 AttributeEnd\n{transform}{TRIANGLE}");
+        let text = format!(
+            "{V4} {HEAD}AttributeBegin {transform} LightSource \"infinite\" \"string filename\" \"m.pfm\" \"float scale\" 3 AttributeEnd\n{transform}{TRIANGLE}"
+        );
         let read = read_with(&text, &[("a/m.pfm", &file)]);
-        assert!(read.says(3, "loss-approximated", "on an octahedron becomes an image of 128 x 64"), "{:?}", read.said());
+        assert!(
+            read.says(3, "loss-approximated", "on an octahedron becomes an image of 128 x 64"),
+            "{:?}",
+            read.said()
+        );
         for local in DIRECTIONS.map(unit) {
             let known = square(local);
             let found = seen(&read, read.shape(0).transform.vector(local));
             // Where the square is folded its numbers jump; the directions are not there.
-            assert!((found[0] - known[0]).abs() < 0.02 && (found[1] - known[1]).abs() < 0.02, "{transform} {local:?}: {found:?} {known:?}");
+            assert!(
+                (found[0] - known[0]).abs() < 0.02 && (found[1] - known[1]).abs() < 0.02,
+                "{transform} {local:?}: {found:?} {known:?}"
+            );
         }
     }
 }

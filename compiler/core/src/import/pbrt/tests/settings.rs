@@ -10,7 +10,9 @@ fn head(text: &str) -> Read {
 
 #[test]
 fn a_camera_behind_a_mirror_is_read_as_it_is() {
-    let read = head("Camera \"perspective\" \"float fov\" 45 Film \"image\" \"integer xresolution\" 100 \"integer yresolution\" 100");
+    let read = head(
+        "Camera \"perspective\" \"float fov\" 45 Film \"image\" \"integer xresolution\" 100 \"integer yresolution\" 100",
+    );
     assert_eq!(read.said(), []);
     let camera = read.camera();
     assert_eq!((camera.eye, camera.target, camera.up), ([0.0, 0.0, 5.0], [0.0; 3], [0.0, 1.0, 0.0]));
@@ -22,7 +24,8 @@ fn a_camera_behind_a_mirror_is_read_as_it_is() {
 /// that the world is mirrored.
 #[test]
 fn a_left_handed_world_is_mirrored() {
-    let read = super::read(&format!("LookAt 1 0 5 1 0 0 0 1 0\nCamera \"perspective\"\nWorldBegin Translate 3 0 0{TRIANGLE}"));
+    let read =
+        super::read(&format!("LookAt 1 0 5 1 0 0 0 1 0\nCamera \"perspective\"\nWorldBegin Translate 3 0 0{TRIANGLE}"));
     assert_eq!(read.said().len(), 1);
     assert!(read.says(2, "loss-baked", "left-handed"));
     let camera = read.camera();
@@ -39,7 +42,9 @@ fn a_left_handed_world_is_mirrored() {
 #[test]
 fn a_camera_is_found_by_its_matrix() {
     // World to camera: x mirrored, then 5 along z: at z = -5, looking along +z.
-    let read = super::read(&format!("Transform [-1 0 0 0 0 1 0 0 0 0 1 0 0 0 5 1] Camera \"perspective\" WorldBegin{TRIANGLE}"));
+    let read = super::read(&format!(
+        "Transform [-1 0 0 0 0 1 0 0 0 0 1 0 0 0 5 1] Camera \"perspective\" WorldBegin{TRIANGLE}"
+    ));
     assert_eq!(read.said(), []);
     let camera = read.camera();
     assert!(close(&camera.eye, &[0.0, 0.0, -5.0]) && close(&camera.target, &[0.0, 0.0, -4.0]));
@@ -108,13 +113,17 @@ fn samplers_and_algorithms() {
         (read.scene().sampler.clone(), read.scene().integrator.clone())
     };
     let independent = |samples| Sampler::Independent { samples, seed: 0 };
-    let (sampler, integrator) = both("Sampler \"random\" \"integer pixelsamples\" 32 Integrator \"path\" \"integer maxdepth\" 9");
+    let (sampler, integrator) =
+        both("Sampler \"random\" \"integer pixelsamples\" 32 Integrator \"path\" \"integer maxdepth\" 9");
     assert_eq!((sampler, integrator), (independent(32), Integrator::Path { max_depth: 10 }));
     // The defaults: 16 samples, 5 bounces.
     assert_eq!(both("Integrator \"bdpt\""), (independent(16), Integrator::Bidirectional { max_depth: 6 }));
     assert_eq!(both("Sampler \"stratified\" \"integer xsamples\" 3 \"integer ysamples\" 5").0, independent(15));
     assert_eq!(both("Sampler \"sobol\" \"integer pixelsamples\" 8").0, Sampler::Sobol { samples: 8, seed: 0 });
-    assert_eq!(both("Integrator \"mlt\" \"integer mutationsperpixel\" 7"), (independent(7), Integrator::Metropolis { max_depth: 6 }));
+    assert_eq!(
+        both("Integrator \"mlt\" \"integer mutationsperpixel\" 7"),
+        (independent(7), Integrator::Metropolis { max_depth: 6 })
+    );
     assert_eq!(both("Integrator \"sppm\" \"integer iterations\" 9").0, independent(9));
     assert_eq!(both("SurfaceIntegrator \"path\" \"integer maxdepth\" 3").1, Integrator::Path { max_depth: 4 });
     assert_eq!(both("Film \"rgb\" Integrator \"lightpath\"").1, Integrator::LightTracing { max_depth: 6 });
@@ -139,7 +148,11 @@ fn what_a_film_does_to_its_image_is_a_finding() {
         assert_eq!(read.said().len(), 1, "{text}: {:?}", read.said());
         assert!(read.says(2, "loss-dropped", ""));
     }
-    assert_eq!(head("Camera \"perspective\" Film \"image\" \"float cropwindow\" [0 1 0 1] \"string filename\" \"a.exr\"").said(), []);
+    assert_eq!(
+        head("Camera \"perspective\" Film \"image\" \"float cropwindow\" [0 1 0 1] \"string filename\" \"a.exr\"")
+            .said(),
+        []
+    );
 }
 
 #[test]
@@ -156,6 +169,7 @@ fn versions_are_found_out() {
     };
     assert_eq!(of("SurfaceIntegrator \"path\""), Dialect::Old);
     assert_eq!(of("Material \"matte\" \"color Kd\" [1 1 1]"), Dialect::Old);
+    assert_eq!(of("Camera \"perspective\" Material \"matte\" \"color Kd\" [1 1 1]"), Dialect::V3);
     assert_eq!(of("Integrator \"path\" Material \"matte\" \"color Kd\" [1 1 1]"), Dialect::V3);
     assert_eq!(of("Material \"matte\" \"rgb Kd\" [1 1 1]"), Dialect::V3);
     assert_eq!(of("Integrator \"path\" Film \"rgb\""), Dialect::V4);

@@ -13,20 +13,26 @@ fn only(shape: &str) -> Read {
 
 #[test]
 fn inline_meshes_keep_their_arrays() {
-    let read = only("Shape \"trianglemesh\" \"point3 P\" [0 0 0 2 0 0 2 2 0 0 2 0] \"point2 uv\" [0 0 1 0 1 1 0 1] \"normal N\" [0 0 2 0 0 2 0 0 2 0 0 2] \"integer indices\" [0 1 2 0 2 3]");
+    let read = only(
+        "Shape \"trianglemesh\" \"point3 P\" [0 0 0 2 0 0 2 2 0 0 2 0] \"point2 uv\" [0 0 1 0 1 1 0 1] \"normal N\" [0 0 2 0 0 2 0 0 2 0 0 2] \"integer indices\" [0 1 2 0 2 3]",
+    );
     assert_eq!(read.said(), []);
     let mesh = mesh(&read);
     assert_eq!((mesh.positions.len(), mesh.triangles.as_slice()), (4, &[[0, 1, 2], [0, 2, 3]][..]));
     assert_eq!(mesh.normals.as_ref().map(|normals| normals[0]), Some([0.0, 0.0, 1.0]));
     assert_eq!(mesh.uvs.as_ref().map(|uvs| uvs[2]), Some([1.0, 1.0]));
-    let read = only("Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"float st\" [0 0 1 0] \"normal N\" [0 0 1] \"integer indices\" [0 1 2]");
+    let read = only(
+        "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"float st\" [0 0 1 0] \"normal N\" [0 0 1] \"integer indices\" [0 1 2]",
+    );
     assert!(read.says(3, "loss-dropped", "`st` is left out") && read.says(3, "loss-dropped", "`N` is left out"));
     assert_eq!(only("Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0]").scene().shapes.len(), 1);
 }
 
 #[test]
 fn alpha_is_a_finding_unless_it_is_1() {
-    let text = |alpha: &str| format!("Texture \"one\" \"float\" \"constant\" Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] {alpha}");
+    let text = |alpha: &str| {
+        format!("Texture \"one\" \"float\" \"constant\" Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] {alpha}")
+    };
     assert_eq!(only(&text("\"float alpha\" 1")).said(), []);
     assert_eq!(only(&text("\"texture alpha\" \"one\"")).said(), []);
     assert!(only(&text("\"float alpha\" 0")).says(3, "loss-dropped", "no holes"));
@@ -98,22 +104,33 @@ fn a_mirrored_body_says_what_is_not_agreed_upon() {
 
 #[test]
 fn other_meshes() {
-    let read = only("Shape \"loopsubdiv\" \"integer nlevels\" 3 \"point P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]");
+    let read =
+        only("Shape \"loopsubdiv\" \"integer nlevels\" 3 \"point P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]");
     assert!(read.says(3, "loss-approximated", "control mesh"));
     assert!(mesh(&read).normals.is_some());
     let read = only("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 0]");
     assert_eq!((read.said(), read.front(0)), (vec![], [0.0, 0.0, 1.0]));
     assert!((area(mesh(&read).into()) - 1.0).abs() < 1e-6);
-    assert!(only("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1]").says(3, "loss-approximated", "curved"));
+    assert!(only("Shape \"bilinearmesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0 1 1 1]").says(
+        3,
+        "loss-approximated",
+        "curved"
+    ));
     let read = only("Shape \"heightfield\" \"integer nu\" 3 \"integer nv\" 2 \"float Pz\" [0 0 0 0 0 0]");
     assert_eq!((read.said(), read.front(0)), (vec![], [0.0, 0.0, 1.0]));
     assert_eq!(mesh(&read).triangles.len(), 4);
-    assert!(only("Shape \"heightfield\" \"integer nu\" 3 \"integer nv\" 3 \"float Pz\" [0]").says(3, "loss-dropped", "heights"));
+    assert!(only("Shape \"heightfield\" \"integer nu\" 3 \"integer nv\" 3 \"float Pz\" [0]").says(
+        3,
+        "loss-dropped",
+        "heights"
+    ));
 }
 
 #[test]
 fn attributes_of_v4_are_defaults() {
-    let read = super::read(&format!("{HEAD}AttributeBegin Attribute \"shape\" \"float radius\" 3 Shape \"sphere\" Shape \"sphere\" \"float radius\" 1 AttributeEnd Shape \"sphere\""));
+    let read = super::read(&format!(
+        "{HEAD}AttributeBegin Attribute \"shape\" \"float radius\" 3 Shape \"sphere\" Shape \"sphere\" \"float radius\" 1 AttributeEnd Shape \"sphere\""
+    ));
     let size = |at: usize| mesh_size(&read, at);
     assert_eq!([size(0), size(1), size(2)], [3.0, 1.0, 1.0]);
 }

@@ -22,7 +22,10 @@ fn diffuse_materials() {
     assert_eq!(world("").bsdf(), &diffuse(Color::Grey(0.5)));
     assert_eq!(world("Material \"matte\" \"rgb Kd\" [.1 .2 .3]").bsdf(), &diffuse(Color::Rgb([0.1, 0.2, 0.3])));
     assert_eq!(world("Material \"matte\" \"color Kd\" [.2 .2 .2]").bsdf(), &diffuse(Color::Grey(0.2)));
-    assert_eq!(in_version(V4, "Material \"diffuse\" \"rgb reflectance\" [1 0 0]").bsdf(), &diffuse(Color::Rgb([1.0, 0.0, 0.0])));
+    assert_eq!(
+        in_version(V4, "Material \"diffuse\" \"rgb reflectance\" [1 0 0]").bsdf(),
+        &diffuse(Color::Rgb([1.0, 0.0, 0.0]))
+    );
     let read = world("Material \"matte\" \"float sigma\" 20");
     assert!(read.says(3, "loss-approximated", "ideally diffuse"));
     let read = world("Material \"matte\" \"rgb Kd\" [2 .5 .5]");
@@ -57,8 +60,11 @@ fn roughness_is_the_width_of_ggx_by_the_version() {
     assert_eq!(alpha(in_version(V4, "Material \"conductor\" \"float roughness\" .25")), 0.5);
     assert_eq!(alpha(in_version(V4, "Material \"conductor\"")), 0.0);
     // Blinn's exponent is 10: sqrt(2 / 12).
-    assert!((alpha(in_version(OLD, "Material \"metal\" \"float roughness\" .1")) - (1.0_f64 / 6.0).sqrt()).abs() < 1e-12);
-    let read = world("Material \"metal\" \"float uroughness\" .1 \"float vroughness\" .4 \"bool remaproughness\" false");
+    assert!(
+        (alpha(in_version(OLD, "Material \"metal\" \"float roughness\" .1")) - (1.0_f64 / 6.0).sqrt()).abs() < 1e-12
+    );
+    let read =
+        world("Material \"metal\" \"float uroughness\" .1 \"float vroughness\" .4 \"bool remaproughness\" false");
     assert!(read.says(3, "loss-approximated", "anisotropic"));
     assert!((alpha(read) - 0.2).abs() < 1e-12);
     let text = "Texture \"r\" \"float\" \"constant\" \"float value\" .3 Material \"metal\" \"texture roughness\" \"r\" \"bool remaproughness\" false";
@@ -74,8 +80,17 @@ fn metals_by_name_and_number() {
         Bsdf::Conductor { eta, k, alpha: _ } => (eta.clone(), k.clone()),
         other => panic!("{other:?}"),
     };
-    assert_eq!(found(&in_version(V4, "Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\"")), of(gold));
-    assert_eq!(found(&world("Material \"metal\" \"spectrum eta\" \"spds/Au.eta.spd\" \"spectrum k\" [\"spds/Au.k.spd\"]")), of(gold));
+    assert_eq!(
+        found(&in_version(
+            V4,
+            "Material \"conductor\" \"spectrum eta\" \"metal-Au-eta\" \"spectrum k\" \"metal-Au-k\""
+        )),
+        of(gold)
+    );
+    assert_eq!(
+        found(&world("Material \"metal\" \"spectrum eta\" \"spds/Au.eta.spd\" \"spectrum k\" [\"spds/Au.k.spd\"]")),
+        of(gold)
+    );
     assert_eq!(found(&world("Material \"metal\"")), of(copper));
     let read = in_version(V4, "Material \"conductor\" \"spectrum eta\" \"metal-CuZn-eta\"");
     assert!(read.says(3, "loss-dropped", "the metal `CuZn` is not known"), "{:?}", read.said());
@@ -112,7 +127,9 @@ fn coats_over_a_base() {
         other => panic!("{other:?}"),
     };
     // Ks 1: as much as glass of 1.5 head-on, 0.04.
-    let read = world("Material \"plastic\" \"rgb Kd\" [.3 .3 .3] \"rgb Ks\" [1 1 1] \"float roughness\" .2 \"bool remaproughness\" \"false\"");
+    let read = world(
+        "Material \"plastic\" \"rgb Kd\" [.3 .3 .3] \"rgb Ks\" [1 1 1] \"float roughness\" .2 \"bool remaproughness\" \"false\"",
+    );
     assert!(read.says(3, "loss-approximated", "under a clear coat"));
     let (base, ior, alpha) = plastic(&read);
     assert!((ior - 1.5).abs() < 1e-12 && alpha == 0.2);
@@ -122,11 +139,16 @@ fn coats_over_a_base() {
     assert_eq!(world("Material \"plastic\" \"rgb Ks\" [0 0 0]").bsdf(), &diffuse(Color::Grey(0.25)));
     // A substrate says what it reflects head-on itself.
     assert!((plastic(&world("Material \"substrate\" \"rgb Ks\" [.04 .04 .04]")).1 - 1.5).abs() < 1e-12);
-    let read = world("Material \"uber\" \"rgb Ks\" [1 1 1] \"float index\" 1.4 \"rgb Kr\" [.1 .1 .1] \"rgb opacity\" [.5 .5 .5]");
+    let read = world(
+        "Material \"uber\" \"rgb Ks\" [1 1 1] \"float index\" 1.4 \"rgb Kr\" [.1 .1 .1] \"rgb opacity\" [.5 .5 .5]",
+    );
     assert!((plastic(&read).1 - 1.4).abs() < 1e-12);
     assert!(read.says(3, "loss-dropped", "`opacity`") && read.says(3, "loss-dropped", "`Kr` of `uber`"));
     assert_eq!(world("Material \"uber\" \"rgb opacity\" [0 0 0]").scene().shapes.len(), 0);
-    let read = in_version(V4, "Material \"coateddiffuse\" \"rgb reflectance\" [.5 .5 .5] \"float thickness\" 0 \"float eta\" 1.6");
+    let read = in_version(
+        V4,
+        "Material \"coateddiffuse\" \"rgb reflectance\" [.5 .5 .5] \"float thickness\" 0 \"float eta\" 1.6",
+    );
     assert_eq!((read.said(), plastic(&read)), (vec![], ([0.5; 3], 1.6, 0.0)));
     assert!(in_version(V4, "Material \"coateddiffuse\"").says(3, "loss-approximated", "absorbs nothing"));
 }
@@ -149,12 +171,17 @@ fn other_materials_say_what_they_lose() {
 fn mixtures() {
     let two = "MakeNamedMaterial \"a\" \"string type\" \"matte\" \"rgb Kd\" [1 1 1] MakeNamedMaterial \"b\" \"string type\" [\"matte\"] \"rgb Kd\" [0 0 0]";
     // v3's amount is the share of the first one, v4's of the second one.
-    let read = world(&format!("{two} Material \"mix\" \"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\" \"rgb amount\" [.75 .75 .75]"));
+    let read = world(&format!(
+        "{two} Material \"mix\" \"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\" \"rgb amount\" [.75 .75 .75]"
+    ));
     assert_eq!((read.said(), read.bsdf()), (vec![], &diffuse(Color::Grey(0.75))));
-    let read = in_version(V4, &format!("{two} Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .75"));
+    let read =
+        in_version(V4, &format!("{two} Material \"mix\" \"string materials\" [\"a\" \"b\"] \"float amount\" .75"));
     assert_eq!(read.bsdf(), &diffuse(Color::Grey(0.25)));
     let other = two.replacen("\"matte\"", "\"mirror\"", 1).replacen("Kd", "Kr", 1);
-    let read = world(&format!("{other} Material \"mix\" \"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\" \"rgb amount\" [.75 .75 .75]"));
+    let read = world(&format!(
+        "{other} Material \"mix\" \"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\" \"rgb amount\" [.75 .75 .75]"
+    ));
     assert!(read.says(3, "loss-dropped", "the larger share") && read.bsdf().word() == "mirror");
     assert_eq!(world(&format!("{two} NamedMaterial \"a\"")).material().name, "a");
 }
@@ -198,18 +225,31 @@ fn images_are_laid_by_their_coordinates() {
     // v1 and v2 have it downwards.
     let read = textured("Texture \"t\" \"color\" \"imagemap\" \"string filename\" \"i.png\"", OLD);
     assert_eq!(uvs(&read), [[0.0, 1.0], [1.0, 1.0], [0.0, 0.75]]);
-    let read = textured("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"i.png\" \"float uscale\" 2 \"float vdelta\" .5 \"bool gamma\" \"false\"", "");
+    let read = textured(
+        "Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"i.png\" \"float uscale\" 2 \"float vdelta\" .5 \"bool gamma\" \"false\"",
+        "",
+    );
     assert_eq!(uvs(&read), [[0.0, 0.5], [2.0, 0.5], [0.0, 0.75]]);
     assert_eq!(read.scene().textures.values().next().map(|texture| texture.encoding), Some(Encoding::Linear));
     let scaled = "Texture \"i\" \"spectrum\" \"imagemap\" \"string filename\" \"i.png\"\nTexture \"t\" \"spectrum\" \"scale\" \"texture tex1\" \"i\" \"rgb tex2\" [.5 .25 1]";
     let read = textured(scaled, "");
     assert_eq!(read.scene().textures.values().next().map(|texture| texture.factor), Some([0.5, 0.25, 1.0]));
-    let read = textured(&scaled.replace("\"texture tex1\" \"i\" \"rgb tex2\" [.5 .25 1]", "\"texture tex\" \"i\" \"float scale\" .5"), V4);
+    let read = textured(
+        &scaled.replace("\"texture tex1\" \"i\" \"rgb tex2\" [.5 .25 1]", "\"texture tex\" \"i\" \"float scale\" .5"),
+        V4,
+    );
     assert_eq!(read.scene().textures.values().next().map(|texture| texture.factor), Some([0.5; 3]));
     let read = textured("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"none.png\"", "");
-    assert!(read.says(4, "loss-dropped", "cannot be read") || read.says(3, "loss-dropped", "cannot be read"), "{:?}", read.said());
-    for (more, words) in [("\"string wrap\" \"black\"", "images repeat"), ("\"string mapping\" \"planar\"", "is read as `uv`")] {
-        let read = textured(&format!("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"i.png\" {more}"), "");
+    assert!(
+        read.says(4, "loss-dropped", "cannot be read") || read.says(3, "loss-dropped", "cannot be read"),
+        "{:?}",
+        read.said()
+    );
+    for (more, words) in
+        [("\"string wrap\" \"black\"", "images repeat"), ("\"string mapping\" \"planar\"", "is read as `uv`")]
+    {
+        let read =
+            textured(&format!("Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"i.png\" {more}"), "");
         assert!(read.says(3, "loss-dropped", words), "{:?}", read.said());
     }
 }
@@ -234,8 +274,14 @@ fn textures_of_constants_are_colors() {
         other => panic!("{other:?}"),
     };
     assert!(close(&color("Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [.1 .2 .3]"), &[0.1, 0.2, 0.3]));
-    assert!(close(&color("Texture \"t\" \"spectrum\" \"mix\" \"rgb tex1\" [0 0 0] \"rgb tex2\" [1 .5 0] \"float amount\" .25"), &[0.25, 0.125, 0.0]));
-    assert!(close(&color("Texture \"t\" \"spectrum\" \"scale\" \"rgb tex1\" [.5 .5 1] \"rgb tex2\" [.5 1 1]"), &[0.25, 0.5, 1.0]));
+    assert!(close(
+        &color("Texture \"t\" \"spectrum\" \"mix\" \"rgb tex1\" [0 0 0] \"rgb tex2\" [1 .5 0] \"float amount\" .25"),
+        &[0.25, 0.125, 0.0]
+    ));
+    assert!(close(
+        &color("Texture \"t\" \"spectrum\" \"scale\" \"rgb tex1\" [.5 .5 1] \"rgb tex2\" [.5 1 1]"),
+        &[0.25, 0.5, 1.0]
+    ));
     let read = textured("Texture \"t\" \"spectrum\" \"marble\" \"float scale\" 3", "");
     assert!(read.says(3, "loss-dropped", "the texture `marble` is not read"));
 }
@@ -243,7 +289,9 @@ fn textures_of_constants_are_colors() {
 #[test]
 fn triangles_without_coordinates_have_those_of_pbrt() {
     let image = image();
-    let text = format!("{HEAD}Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"i.png\" Material \"matte\" \"texture Kd\" \"t\"{TRIANGLE}");
+    let text = format!(
+        "{HEAD}Texture \"t\" \"spectrum\" \"imagemap\" \"string filename\" \"i.png\" Material \"matte\" \"texture Kd\" \"t\"{TRIANGLE}"
+    );
     let read = read_with(&text, &[("a/i.png", &image)]);
     assert_eq!(uvs(&read), [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
 }

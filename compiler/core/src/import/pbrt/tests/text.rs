@@ -29,12 +29,16 @@ fn text_is_cut_into_words() {
     assert_eq!(all, known);
     assert_eq!(words("\"a\nb"), [Broken, Word("b".to_owned())]);
     assert_eq!(words("nan inf 1e999"), ["nan", "inf", "1e999"].map(|word| Word(word.to_owned())));
-    assert_eq!(words("0.1 123456789012345678 4503599627370497.5"), [0.1, 123456789012345680.0, 4503599627370497.5].map(Number));
+    assert_eq!(
+        words("0.1 123456789012345678 4503599627370497.5"),
+        [0.1, 123456789012345680.0, 4503599627370497.5].map(Number)
+    );
 }
 
 #[test]
 fn commas_single_values_and_both_kinds_of_booleans_are_read() {
-    let read = world("Material \"glass\" \"float eta\" 1.25 \"bool remaproughness\" [\"false\"]\n\"float roughness\" [0.5,]");
+    let read =
+        world("Material \"glass\" \"float eta\" 1.25 \"bool remaproughness\" [\"false\"]\n\"float roughness\" [0.5,]");
     assert_eq!(read.said(), []);
     assert_eq!(read.bsdf(), &Bsdf::Dielectric { interior: 1.25, exterior: 1.0, alpha: 0.5 });
     let read = world("Material \"glass\" \"bool remaproughness\" false \"float roughness\" [ 0.5 ]");
@@ -52,7 +56,7 @@ fn what_is_wrong_is_said_at_its_line() {
         ("Material \"matte\" \"rgb Kd\"", "has no value"),
         ("Material \"matte\" \"float foo\" 1", "`float foo` of `matte` is left out"),
         ("Material \"matte\" \"rgb Kd\" [1 \"a\" 1]", "numbers and strings"),
-        ("Material \"matte", "without an end"),
+        ("Material \"matte\" \"rgb Kd", "without an end"),
         ("NamedMaterial \"none\"", "there is no material"),
         ("Material \"matte\" \"texture Kd\" \"none\"", "there is no texture"),
         ("AttributeEnd", "it ends nothing"),
@@ -71,7 +75,10 @@ fn what_is_wrong_is_said_at_its_line() {
         ("Shape \"curve\" \"point P\" [0 0 0]", "are left out: they are not read"),
         ("Shape \"trianglemesh\" \"point P\" [0 0 0 1]", "are no positions"),
         ("Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0 0 0 1]", "are no triangles"),
-        ("Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 5]", "the mesh has 3 vertices"),
+        (
+            "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 5]",
+            "the mesh has 3 vertices",
+        ),
         ("Shape \"plymesh\" \"string filename\" \"none.ply\"", "cannot be read"),
         ("Shape \"plymesh\" \"string filename\" \"none.ply.gz\"", "is compressed"),
         ("Shape \"plymesh\" \"string filename\" \"/none.ply\"", "is not read"),
@@ -143,7 +150,9 @@ fn blocks_restore_what_they_should() {
 fn transforms_apply_the_last_one_first() {
     let read = world("Translate 1 2 3 Scale 2 2 2 Rotate 90 0 0 1");
     assert!(close(&read.shape(0).transform.point([1.0, 0.0, 0.0]), &[1.0, 4.0, 3.0]));
-    let read = world("ConcatTransform [2 0 0 0 0 2 0 0 0 0 2 0 5 6 7 1] CoordinateSystem \"here\" Identity CoordSysTransform \"here\"");
+    let read = world(
+        "ConcatTransform [2 0 0 0 0 2 0 0 0 0 2 0 5 6 7 1] CoordinateSystem \"here\" Identity CoordSysTransform \"here\"",
+    );
     assert!(close(&read.shape(0).transform.point([1.0, 1.0, 1.0]), &[7.0, 8.0, 9.0]));
     // A point at the eye's own place, one step ahead.
     let read = world("CoordSysTransform \"camera\"");
@@ -152,7 +161,9 @@ fn transforms_apply_the_last_one_first() {
 
 #[test]
 fn objects_are_groups_with_instances() {
-    let text = format!("ObjectBegin \"o\" Translate 1 0 0 AreaLightSource \"diffuse\"{TRIANGLE}ObjectEnd\nTranslate 0 5 0 ObjectInstance \"o\" Identity");
+    let text = format!(
+        "ObjectBegin \"o\" Translate 1 0 0 AreaLightSource \"diffuse\"{TRIANGLE}ObjectEnd\nTranslate 0 5 0 ObjectInstance \"o\" Identity"
+    );
     let read = world(&text);
     assert_eq!(read.said().len(), 1);
     assert!(read.says(4, "loss-baked", "does not emit"));
@@ -206,13 +217,14 @@ fn a_scene_with_one_of_everything_is_read() {
     let read = super::read(ALL);
     assert_eq!(read.scene().shapes.len(), 4, "{:?}", read.said());
     assert!(read.scene().instances.len() == 1 && read.scene().lights.len() == 2);
+    assert!(crate::pipeline::prepare(read.scene().clone()).is_ok());
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 400, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
 
     #[test]
-    fn changed_texts_never_panic(
+    fn changed_texts_make_valid_scenes(
         changes in prop::collection::vec((0.0..1.0_f64, 0_usize..12, prop::sample::select(vec![
             "\"", "[", "]", " ", "-1", "1e38", "4294967296", "nan", "#", "\\", "AttributeBegin", "WorldBegin", "0",
             "Scale 0 0 0 ", "ObjectBegin \"x\" ", "ObjectEnd ", "\u{e9}", "\n", ",", "Identity ",
@@ -230,7 +242,12 @@ proptest! {
             }
             text.replace_range(at..end.max(at), by);
         }
-        let _read = super::read(&text);
+        if let Some(scene) = super::read(&text).scene {
+            let findings = crate::pipeline::prepare(scene).err().unwrap_or_default();
+            // What is left may be nothing.
+            let wrong = |found: &&Finding| found.severity == Severity::Error && !found.message.contains("has no shape");
+            prop_assert_eq!(findings.iter().find(wrong).map(|found| &found.message), None, "{}", text);
+        }
     }
 
     #[test]

@@ -67,6 +67,7 @@ fn both_versions_of_a_scene_are_one() {
         assert!(close(&a.eye, &b.eye) && (a.fov_x - b.fov_x).abs() < 1e-6, "{folder:?} {a:?} {b:?}");
         assert!(close(&forward.forward, &other.forward) && close(&forward.up, &other.up), "{folder:?} {a:?} {b:?}");
         assert!(close(&forward.right, &other.right), "{folder:?} {a:?} {b:?}");
+        assert!(crate::pipeline::prepare(ours.scene().clone()).is_ok());
         let (ours, theirs) = (ours.scene(), theirs.scene());
         assert_eq!((ours.film.width, ours.film.height), (theirs.film.width, theirs.film.height), "{folder:?}");
         assert_eq!(ours.film.filter, theirs.film.filter, "{folder:?}");
