@@ -37,6 +37,12 @@ pub struct Wanted {
     pub down: bool,
 }
 
+/// What is known of a mesh in a file: the mesh, and whether the file has normals; none where it cannot be read.
+type KnownMesh = Option<(Handle<Mesh>, bool)>;
+
+/// What an image in a file is read by: the file, how it is decoded, and the bits of its factor.
+type TextureKey = (VPath, Option<Encoding>, [u64; 3]);
+
 /// The limits of the Scene itself, whatever the user allows.
 const NAMED: usize = 1 << 20;
 
@@ -51,8 +57,8 @@ pub struct Builder {
     groups: Arena<Group>,
     instances: Arena<Instance>,
     cameras: Arena<Camera>,
-    known_meshes: HashMap<Wanted, Option<(Handle<Mesh>, bool)>>,
-    known_textures: HashMap<(VPath, Option<Encoding>, [u64; 3]), Option<Handle<Texture>>>,
+    known_meshes: HashMap<Wanted, KnownMesh>,
+    known_textures: HashMap<TextureKey, Option<Handle<Texture>>>,
     remade_textures: HashMap<(usize, String), Option<Handle<Texture>>>,
     equal_materials: HashMap<String, Handle<Material>>,
     names: HashSet<String>,
@@ -345,7 +351,8 @@ impl Builder {
                 }
             }
         }
-        if !low.iter().chain(&high).all(|x| x.is_finite()) {
+        // Nothing, or what is farther away than a camera may be.
+        if !low.iter().chain(&high).all(|x| x.abs() <= 1e29) {
             (low, high) = ([-1.0; 3], [1.0; 3]);
         }
         let middle = [0, 1, 2].map(|axis: usize| f64::midpoint(low[axis], high[axis]));

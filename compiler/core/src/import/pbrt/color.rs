@@ -74,7 +74,8 @@ pub fn times(a: &Color, b: &Color) -> Color {
 fn black_body(kelvin: f64) -> Spectrum {
     let radiance = |nanometers: f64| {
         let length = nanometers * 1e-9;
-        1.0 / (length.powi(5) * libm::expm1(1.438_776_877e-2 / (length * kelvin)))
+        let squared = length * length;
+        1.0 / (squared * squared * length * libm::expm1(1.438_776_877e-2 / (length * kelvin)))
     };
     let most = radiance(2.897_771_955e6 / kelvin);
     let points: Vec<(f64, f64)> =

@@ -48,19 +48,12 @@ fn ior_of(share: f64) -> f64 {
 }
 
 /// A metal of index 1 that reflects this share head-on: v4's own rule for `reflectance`, and v1's for its metals (`FresnelApproxK`).
-fn metal_of(reflectance: &Color) -> Bsdf {
+fn metal_of(reflectance: &Color, alpha: f64) -> Bsdf {
     let k = reflectance.rgb().map(|share| {
         let share = share.clamp(0.0, 0.9999);
         2.0 * (share / (1.0 - share)).sqrt()
     });
-    Bsdf::Conductor { eta: Color::Grey(1.0), k: Color::Rgb(k), alpha: 0.0 }
-}
-
-fn with_alpha(bsdf: Bsdf, width: f64) -> Bsdf {
-    match bsdf {
-        Bsdf::Conductor { eta, k, alpha: _ } => Bsdf::Conductor { eta, k, alpha: width },
-        other => other,
-    }
+    Bsdf::Conductor { eta: Color::Grey(1.0), k: Color::Rgb(k), alpha }
 }
 
 impl World<'_, '_> {
@@ -137,7 +130,7 @@ impl World<'_, '_> {
                 let alpha = self.alpha(params, if kind == "metal" { 0.01 } else { 0.0 });
                 if params.has("reflectance") {
                     let reflectance = self.tint(params, "reflectance", 1.0);
-                    return alone(with_alpha(metal_of(&reflectance), alpha));
+                    return alone(metal_of(&reflectance, alpha));
                 }
                 let (eta, k) = self.metal(params, "eta", "k");
                 alone(Bsdf::Conductor { eta, k, alpha })
@@ -147,7 +140,7 @@ impl World<'_, '_> {
                 let (rough, smooth) = (self.tint(params, "Ks", 1.0), self.tint(params, "Kr", 1.0));
                 let message = "a shiny metal of two lobes is read as one of a metal";
                 self.near(params.span, message);
-                alone(if rough.is_black() { metal_of(&smooth) } else { with_alpha(metal_of(&rough), alpha) })
+                alone(if rough.is_black() { metal_of(&smooth, 0.0) } else { metal_of(&rough, alpha) })
             }
             "mirror" => {
                 let reflectance = self.tint(params, "Kr", 0.9);
@@ -169,7 +162,7 @@ impl World<'_, '_> {
                     self.alpha_of(params, ["conductor.roughness", "conductor.uroughness", "conductor.vroughness"], 0.0);
                 if params.has("reflectance") {
                     let reflectance = self.tint(params, "reflectance", 1.0);
-                    return alone(with_alpha(metal_of(&reflectance), alpha));
+                    return alone(metal_of(&reflectance, alpha));
                 }
                 let (eta, k) = self.metal(params, "conductor.eta", "conductor.k");
                 alone(Bsdf::Conductor { eta, k, alpha })
@@ -414,7 +407,12 @@ impl World<'_, '_> {
                 let [r, g, b] = self.color(params, "amount", Use::Share).unwrap_or(Color::Grey(0.5)).rgb();
                 (r + g + b) / 3.0
             }
-            Some(_) => self.number(params, "amount").unwrap_or(0.5),
+            // v3's is a color, v4's a number.
+            Some(_) if self.dialect == Dialect::V4 => self.number(params, "amount").unwrap_or(0.5),
+            Some(_) => {
+                let [r, g, b] = self.tint(params, "amount", 0.5).rgb();
+                (r + g + b) / 3.0
+            }
             None => 0.5,
         };
         // v3's amount is the first one's share, v4's the second one's.

@@ -147,11 +147,14 @@ impl World<'_, '_> {
             _ => [eye, target, up],
         };
         if ![eye, target, up].iter().flatten().all(|x| x.abs() <= FARTHEST) || normalized(cross(ahead, up)).is_none() {
-            self.dropped(params.span, "a camera is left out: its transform has no inverse, or it is farther away than 1e30");
+            self.dropped(
+                params.span,
+                "a camera is left out: its transform has no inverse, or it is farther away than 1e30",
+            );
             return None;
         }
-        let near = params.float("hither", self.reader).filter(|near| *near > 0.0);
-        let far = params.float("yon", self.reader).filter(|far| *far > near.unwrap_or(0.0));
+        let near = params.float("hither", self.reader).filter(|near| *near > 1e-30 && *near < FARTHEST);
+        let far = params.float("yon", self.reader).filter(|far| *far > near.unwrap_or(1e-30) && *far < FARTHEST);
         Some(Camera { name: None, eye, target, up, fov_x, near, far })
     }
 

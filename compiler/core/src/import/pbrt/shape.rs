@@ -457,11 +457,10 @@ fn facing(mut geometry: Geometry) -> Geometry {
 fn cornered(geometry: Geometry) -> Geometry {
     let Geometry { positions, normals, uvs: _, triangles } = geometry;
     let corners = || triangles.iter().flatten().map(|index| *index as usize);
-    let made = Geometry {
+    Geometry {
         positions: corners().map(|index| positions[index]).collect(),
         normals: normals.as_ref().map(|normals| corners().map(|index| normals[index]).collect()),
         uvs: Some(triangles.iter().flat_map(|_| [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]).collect()),
         triangles: (0..triangles.len() as u32).map(|at| [3 * at, 3 * at + 1, 3 * at + 2]).collect(),
-    };
-    made
+    }
 }

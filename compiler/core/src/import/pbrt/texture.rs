@@ -338,7 +338,7 @@ impl World<'_, '_> {
             Paint::Color(color) => Some(color.max()),
             Paint::Image { path, encoding, factor, map: _, span } => {
                 let image = self.to.texture(self.reader, &path, Some(encoding), [1.0; 3], &span.into());
-                let Some([r, g, b]) = image.and_then(|image| self.to.mean(image)) else { return None };
+                let [r, g, b] = image.and_then(|image| self.to.mean(image))?;
                 self.near(param.span, format!("a texture of `{}` is read as its mean", shown(name)));
                 Some((r * factor[0] + g * factor[1] + b * factor[2]) / 3.0)
             }

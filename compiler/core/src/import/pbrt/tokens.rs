@@ -186,10 +186,8 @@ impl<'t> Tokens<'t> {
         let mut row = [0.0; N];
         for value in &mut row {
             let Some(b'0'..=b'9' | b'+' | b'-' | b'.') = self.peek() else { return None };
-            match self.next()?.0 {
-                Token::Number(number) => *value = number,
-                _ => return None,
-            }
+            let Token::Number(number) = self.next()?.0 else { return None };
+            *value = number;
         }
         if bracket {
             if self.peek() != Some(b']') {

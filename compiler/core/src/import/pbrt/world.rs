@@ -543,16 +543,13 @@ impl<'r, 'f> World<'r, 'f> {
             "Identity" => Some(Affine::IDENTITY),
             "Translate" => tokens.row().map(Affine::translation),
             "Scale" => tokens.row().map(Affine::scaling),
-            "Rotate" => match tokens.row() {
-                Some([degrees, x, y, z]) => Some(match normalized([x, y, z]) {
-                    Some(axis) => Affine::rotation(axis, degrees),
-                    None => {
-                        self.dropped(span, "a rotation about no axis is left out");
-                        Affine::IDENTITY
-                    }
-                }),
-                None => None,
-            },
+            "Rotate" => tokens.row().map(|[degrees, x, y, z]| match normalized([x, y, z]) {
+                Some(axis) => Affine::rotation(axis, degrees),
+                None => {
+                    self.dropped(span, "a rotation about no axis is left out");
+                    Affine::IDENTITY
+                }
+            }),
             "LookAt" => match tokens.row() {
                 Some(row) => {
                     if look_at(row).is_none() {

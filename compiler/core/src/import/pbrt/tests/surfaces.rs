@@ -295,3 +295,24 @@ fn triangles_without_coordinates_have_those_of_pbrt() {
     let read = read_with(&text, &[("a/i.png", &image)]);
     assert_eq!(uvs(&read), [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0]]);
 }
+
+#[test]
+fn a_texture_of_a_number_is_its_mean() {
+    let image = image();
+    let text = format!(
+        "{HEAD}Texture \"r\" \"float\" \"imagemap\" \"string filename\" \"i.png\"\nMaterial \"glass\" \"texture roughness\" \
+         \"r\" \"bool remaproughness\" false{TRIANGLE}"
+    );
+    let read = read_with(&text, &[("a/i.png", &image)]);
+    // Each channel is 1 in two of the four pixels.
+    assert!(read.says(4, "loss-approximated", "as its mean"), "{:?}", read.said());
+    assert_eq!(read.bsdf(), &Bsdf::Dielectric { interior: 1.5, exterior: 1.0, alpha: 0.5 });
+}
+
+#[test]
+fn the_amount_of_a_mixture_may_be_a_texture() {
+    let text = "Texture \"t\" \"color\" \"constant\" \"rgb value\" [.25 .25 .25] MakeNamedMaterial \"a\" \"string type\" \
+                \"matte\" \"rgb Kd\" [1 1 1] MakeNamedMaterial \"b\" \"string type\" \"matte\" \"rgb Kd\" [0 0 0] Material \
+                \"mix\" \"string namedmaterial1\" \"a\" \"string namedmaterial2\" \"b\" \"texture amount\" \"t\"";
+    assert_eq!(world(text).bsdf(), &diffuse(Color::Grey(0.25)));
+}
