@@ -29,7 +29,7 @@ impl Use {
 }
 
 /// No light is brighter, so that its numbers stay finite.
-const BRIGHTEST: f64 = 1e30;
+const BRIGHTEST: f64 = 1e28;
 
 /// v4's glasses: indices at the yellow line of helium (587.6 nm), by the catalogue of Schott. The names are those of `spectrum.cpp`.
 const GLASSES: [(&str, f64); 7] = [
@@ -232,15 +232,15 @@ impl World<'_, '_> {
         let what = match use_of {
             Use::Share => "a share of light beyond 0 to 1 is cut",
             Use::Light | Use::Index if color.min() < 0.0 => "a color below 0 is cut",
-            Use::Light | Use::Index => "a color beyond 1e30 is cut",
+            Use::Light | Use::Index => "a color beyond 1e28 is cut",
         };
         self.near(span, what);
         match color {
-            Color::Grey(grey) => Color::Grey(grey.clamp(0.0, most)),
-            Color::Rgb(rgb) => Color::Rgb(rgb.map(|channel| channel.clamp(0.0, most))),
+            Color::Grey(grey) => Color::Grey(grey.max(0.0).min(most)),
+            Color::Rgb(rgb) => Color::Rgb(rgb.map(|channel| channel.max(0.0).min(most))),
             Color::Spectrum(spectrum) => {
                 let points: Vec<(f64, f64)> =
-                    spectrum.points().iter().map(|(at, value)| (*at, value.clamp(0.0, most))).collect();
+                    spectrum.points().iter().map(|(at, value)| (*at, value.max(0.0).min(most))).collect();
                 Color::Spectrum(Spectrum::new(&points, use_of.meaning()))
             }
         }

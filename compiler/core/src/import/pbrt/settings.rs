@@ -139,7 +139,7 @@ impl World<'_, '_> {
         let target = [0, 1, 2].map(|axis: usize| eye[axis] + ahead[axis] * step);
         // As it is written, where nothing but a mirror stands before it.
         let [eye, target, up] = match self.look {
-            Some((row, before, behind)) if behind == *map && mirrors(&before) => {
+            Some((row, before, behind)) if behind == *map && mirrors(&before) && apart(&row) => {
                 let [ex, ey, ez, tx, ty, tz, ux, uy, uz] = row;
                 let outer = self.outer;
                 [outer.point([ex, ey, ez]), outer.point([tx, ty, tz]), outer.vector([ux, uy, uz])]
@@ -383,6 +383,12 @@ impl World<'_, '_> {
             self.dropped(params.span_of("forcediffuse"), message);
         }
     }
+}
+
+/// Whether the up of a `LookAt` is far enough from its axis to be said again.
+fn apart([ex, ey, ez, tx, ty, tz, ux, uy, uz]: &[f64; 9]) -> bool {
+    let (ahead, up) = (normalized([tx - ex, ty - ey, tz - ez]), normalized([*ux, *uy, *uz]));
+    ahead.zip(up).is_some_and(|(ahead, up)| length(cross(ahead, up)) > 1e-4)
 }
 
 /// Whether a map is nothing, or a mirror of x.
