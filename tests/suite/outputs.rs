@@ -54,7 +54,7 @@ fn everything(folder: &Path) {
         ],
     );
     fs::write(folder.join("broken.ply"), "ply\nformat ascii 1.0\nend_header\n").expect("a mesh");
-    fs::write(folder.join("scenes/foreign.pbrt"), "").expect("a file");
+    fs::write(folder.join("scenes/foreign.scn"), "").expect("a file");
 }
 
 fn sarif(folder: &Path, args: &[&str]) -> Value {
@@ -70,7 +70,7 @@ fn sarif_is_valid_against_the_schema_of_the_standard() {
     let folder = tempfile::tempdir().expect("a folder");
     everything(folder.path());
     let logs = [
-        sarif(folder.path(), &["lint", "scenes", "scenes/foreign.pbrt"]),
+        sarif(folder.path(), &["lint", "scenes", "scenes/foreign.scn"]),
         sarif(folder.path(), &["lint", "scenes", "--target", "gltf,luxcore"]),
         sarif(folder.path(), &["lint", "nowhere.lts"]),
         sarif(folder.path(), &["build", "scenes"]),
@@ -246,25 +246,19 @@ fn losses_gate_a_build() {
 fn one_bad_file_does_not_hide_another() {
     let folder = tempfile::tempdir().expect("a folder");
     everything(folder.path());
-    let args = [
-        "lint",
-        "scenes/nowhere.lts",
-        "scenes/foreign.pbrt",
-        "scenes/twice.lts",
-        "broken.ply",
-        "scenes/a b é/lamp.lts",
-    ];
+    let args =
+        ["lint", "scenes/nowhere.lts", "scenes/foreign.scn", "scenes/twice.lts", "broken.ply", "scenes/a b é/lamp.lts"];
     let ran = run(ltsc().current_dir(folder.path()).args(args).args(["scenes", "--format", "short"]));
     assert_eq!(ran.code, Some(3), "{}", ran.err);
     for words in
-        ["nowhere.lts cannot be read", "foreign.pbrt: error[foreign-file]", "twice.lts", "smooth-emitter", "broken.lts"]
+        ["nowhere.lts cannot be read", "foreign.scn: error[foreign-file]", "twice.lts", "smooth-emitter", "broken.lts"]
     {
         assert!(ran.out.contains(words), "{words} is missing in\n{}", ran.out);
     }
     assert_eq!(ran.out.matches("duplicate-name").count(), 1, "a file that is named twice is checked once\n{}", ran.out);
-    assert!(ran.out.contains("a mesh") && ran.out.contains("a scene of PBRT"), "{}", ran.out);
+    assert!(ran.out.contains("a mesh") && ran.out.contains("a scene of LuxCore"), "{}", ran.out);
     // The order is that of the paths, whatever thread was first.
-    let order: Vec<usize> = ["foreign.pbrt", "twice.lts", "broken.ply", "a b é/lamp.lts", "bad_mesh.lts"]
+    let order: Vec<usize> = ["foreign.scn", "twice.lts", "broken.ply", "a b é/lamp.lts", "bad_mesh.lts"]
         .iter()
         .map(|name| ran.out.find(name).unwrap_or_else(|| panic!("{name}\n{}", ran.out)))
         .collect();

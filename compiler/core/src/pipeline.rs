@@ -61,7 +61,6 @@ impl Checked {
 
 /// Formats of scenes and meshes that are not ltsc's own: how their files' names end, and what they hold.
 const FOREIGN: &[(&str, &str)] = &[
-    ("pbrt", "a scene of PBRT"),
     ("scn", "a scene of LuxCore"),
     ("cfg", "a configuration of LuxCore"),
     ("gltf", "a scene in glTF"),

@@ -5,6 +5,7 @@ use std::collections::{HashMap, HashSet};
 use super::reader::{Fate, Reader};
 use crate::diag::{Finding, Origin, Severity};
 use crate::files::VPath;
+use crate::image::write::Depth;
 use crate::image::{self, Loaded, Loss, Pixels};
 use crate::ir::{
     Affine, Arena, Bsdf, Camera, Color, Documentation, Emission, Encoding, Film, Filter, Group, Handle, Instance,
@@ -38,11 +39,14 @@ pub struct Wanted {
     pub down: bool,
 }
 
+/// What is known of a mesh in a file: the mesh, and whether the file has normals; none where it cannot be read.
+type KnownMesh = Option<(Handle<Mesh>, bool)>;
+
+/// What an image in a file is read by: the file, how it is decoded, and the bits of its factor.
+type TextureKey = (VPath, Option<Encoding>, [u64; 3]);
+
 /// The limits of the Scene itself, whatever the user allows.
 const NAMED: usize = 1 << 20;
-
-/// A file, its encoding, and the bits of its factor.
-type ImageKey = (VPath, Option<Encoding>, [u64; 3]);
 
 /// A scene in the making.
 #[derive(Default)]
@@ -55,8 +59,9 @@ pub struct Builder {
     groups: Arena<Group>,
     instances: Arena<Instance>,
     cameras: Arena<Camera>,
-    known_meshes: HashMap<Wanted, Option<(Handle<Mesh>, bool)>>,
-    known_textures: HashMap<ImageKey, Option<Handle<Texture>>>,
+    known_meshes: HashMap<Wanted, KnownMesh>,
+    known_textures: HashMap<TextureKey, Option<Handle<Texture>>>,
+    remade_textures: HashMap<(usize, String), Option<Handle<Texture>>>,
     equal_materials: HashMap<String, Handle<Material>>,
     names: HashSet<String>,
     /// How often a name was asked for, so that a thousand equal ones are not tried a thousand times each.
@@ -89,8 +94,7 @@ impl Default for Settings {
 impl Builder {
     /// A name that nothing else has, near the one that is wished for.
     pub fn unique(&mut self, wish: &str) -> String {
-        let wish: String = wish.chars().filter(|c| !c.is_control()).take(200).collect();
-        let wish = if wish.trim().is_empty() { "unnamed".to_owned() } else { wish };
+        let wish = plain(wish);
         if self.names.insert(wish.clone()) {
             return wish;
         }
@@ -196,6 +200,39 @@ impl Builder {
         Some(self.textures.push(texture, at.clone()))
     }
 
+    /// Another form of an image that is there, once for each `word`: its linear pixels through `change`.
+    pub fn remade(
+        &mut self,
+        reader: &mut Reader<'_>,
+        texture: Handle<Texture>,
+        word: &str,
+        change: impl FnOnce(Pixels) -> Pixels,
+        at: &Origin,
+    ) -> Option<Handle<Texture>> {
+        let key = (texture.index(), word.to_owned());
+        if let Some(known) = self.remade_textures.get(&key) {
+            return *known;
+        }
+        let old = &self.textures[texture];
+        let (name, factor) = (old.name.clone(), old.factor);
+        let made = image::linear(old).map(change).and_then(|pixels| {
+            let depth = if image::write::fits_half(&pixels) { Depth::Half } else { Depth::Full };
+            image::load("exr", &image::write::exr(&pixels, depth)?, u64::MAX)
+        });
+        let handle = match made {
+            Ok(Loaded { info, file, peak, remarks: _ }) => {
+                let texture = Texture { name, file, image: info, encoding: Encoding::Linear, peak, factor };
+                Some(self.textures.push(texture, at.clone()))
+            }
+            Err(error) => {
+                reader.lost(Fate::Dropped, at.clone(), format!("the image `{name}` {}", error.message));
+                None
+            }
+        };
+        self.remade_textures.insert(key, handle);
+        handle
+    }
+
     /// The mean of an image's linear pixels.
     pub fn mean(&self, texture: Handle<Texture>) -> Option<[f64; 3]> {
         let texture = &self.textures[texture];
@@ -216,7 +253,7 @@ impl Builder {
 
     /// A material, once for each name and meaning.
     pub fn material(&mut self, name: &str, bsdf: Bsdf, at: &Origin) -> Handle<Material> {
-        let made = Material { name: name.to_owned(), bsdf };
+        let made = Material { name: plain(name), bsdf };
         let materials = &mut self.materials;
         *self.equal_materials.entry(format!("{made:?}")).or_insert_with(|| materials.push(made, at.clone()))
     }
@@ -254,7 +291,7 @@ impl Builder {
 
     /// A group.
     pub fn group(&mut self, name: &str, shapes: Arena<Shape>, at: &Origin) -> Handle<Group> {
-        let group = Group { name: name.to_owned(), shapes, instances: Arena::default() };
+        let group = Group { name: plain(name), shapes, instances: Arena::default() };
         self.groups.push(group, at.clone())
     }
 
@@ -316,7 +353,8 @@ impl Builder {
                 }
             }
         }
-        if !low.iter().chain(&high).all(|x| x.is_finite()) {
+        // Nothing, or what is farther away than a camera may be.
+        if !low.iter().chain(&high).all(|x| x.abs() <= 1e29) {
             (low, high) = ([-1.0; 3], [1.0; 3]);
         }
         let middle = [0, 1, 2].map(|axis: usize| f64::midpoint(low[axis], high[axis]));
@@ -387,6 +425,12 @@ impl Builder {
             sampler: settings.sampler,
         }
     }
+}
+
+/// A name as the Scene has them: short, without control characters.
+fn plain(name: &str) -> String {
+    let name: String = name.chars().filter(|c| !c.is_control()).take(200).collect();
+    if name.trim().is_empty() { "unnamed".to_owned() } else { name }
 }
 
 fn read_mesh(reader: &mut Reader<'_>, wanted: &Wanted, at: &Origin) -> Option<(Geometry, bool)> {

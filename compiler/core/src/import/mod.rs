@@ -6,6 +6,7 @@
 mod build;
 mod metals;
 pub mod mitsuba;
+pub mod pbrt;
 mod reader;
 
 use std::collections::BTreeMap;
@@ -32,7 +33,7 @@ pub struct Importer {
 }
 
 /// All formats that are read.
-pub static IMPORTERS: &[Importer] = &[mitsuba::IMPORTER];
+pub static IMPORTERS: &[Importer] = &[mitsuba::IMPORTER, pbrt::IMPORTER];
 
 /// The importer of a file, by the ending of its name.
 pub fn find(path: &VPath) -> Option<&'static Importer> {
