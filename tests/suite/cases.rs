@@ -11,6 +11,7 @@ use super::{bless, files_below, ltsc, root, run};
 pub const BEYOND_TEXT: &[(&str, &str)] = &[
     ("foreign-file", "a file of another format: see `outputs`"),
     ("internal-fault", "a fault of ltsc: see the unit test of `guarded`"),
+    ("print-renamed", "a scene that becomes a text: see `print` in compiler/core"),
     ("invalid-camera", "an importer: the constructor refuses first"),
     ("audit-mismatch", "files that were generated: see `audit`"),
     ("evaluation-chunks", "an evaluation file: see `file` in renderers/evaluation"),

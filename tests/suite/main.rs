@@ -21,6 +21,7 @@ mod gallery;
 mod geometry;
 mod gltf;
 mod golden;
+mod import;
 mod interrupted;
 mod ledger;
 mod losses;

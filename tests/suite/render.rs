@@ -55,7 +55,7 @@ fn ratio(a: &Image, b: &Image) -> f64 {
     compared(a, b).metric("ratio").and_then(|value| value.overall).expect("a ratio")
 }
 
-fn judge(what: &str, a: &Image, b: &Image, mean: f64, tile: f64) {
+pub(super) fn judge(what: &str, a: &Image, b: &Image, mean: f64, tile: f64) {
     let comparison = compared(a, b);
     let ratios = comparison.metric("ratio").expect("ratios").channels;
     for ratio in ratios.into_iter().flatten() {

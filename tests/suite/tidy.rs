@@ -44,6 +44,7 @@ const LAYERS: &[(&str, &[&str])] = &[
             "files",
             "fix",
             "formats",
+            "import",
             "ir",
             "ledger",
             "lint",
@@ -155,7 +156,7 @@ fn modules_of_the_core_use_only_what_lies_below_them() {
         }
         let allowed = layers.get(module).unwrap_or_else(|| panic!("`{module}` is missing in LAYERS"));
         // Tests of a module may reach further.
-        if path.ends_with("tests.rs") || path.contains("_tests") {
+        if path.ends_with("tests.rs") || path.contains("_tests") || path.contains("/tests/") {
             continue;
         }
         for name in
@@ -202,7 +203,8 @@ fn a_target_is_a_folder_and_two_lines() {
                     || line.contains(&format!("{name}::")) && !line.contains("file::")
             };
             // Meshes are read from files of glTF as well, by a module of that name which has nothing to do with the target.
-            let of_meshes = path.starts_with("mesh/");
+            // Nor is a reader of scenes of that format, which has a folder of its own.
+            let of_meshes = path.starts_with("mesh/") || path.starts_with("import/");
             let found = code.lines().filter(|line| !of_meshes && names(line));
             lines.extend(found.map(|line| format!("{path}: {}", line.trim())));
         }
@@ -273,6 +275,20 @@ fn every_file_of_a_family_is_in_its_table() {
         ("renderers/src/run", "DRIVERS", "ROW"),
         ("renderers/evaluation/src/executor", "EXECUTORS", "KIND"),
     ];
+    // An importer is a folder and two lines.
+    let importers = fs::read_to_string(root().join("compiler/core/src/import/mod.rs")).expect("a table");
+    let files = rust_files("compiler/core/src/import");
+    let folders: BTreeSet<&str> = files.iter().filter_map(|(path, _)| Some(path.split_once('/')?.0)).collect();
+    assert!(folders.len() >= 2, "{folders:?}");
+    for name in folders {
+        let named =
+            files.iter().filter(|(path, _)| !path.starts_with(&format!("{name}/")) && !path.ends_with("tests.rs"));
+        let lines = named
+            .flat_map(|(_, text)| text.lines())
+            .filter(|line| line.contains(&format!("mod {name};")) || line.contains(&format!("{name}::")));
+        assert_eq!(lines.count(), 2, "what knows the importer {name}");
+        assert!(importers.contains(&format!("{name}::IMPORTER")), "{name} is not in IMPORTERS");
+    }
     for (folder, list, row) in families {
         let table = fs::read_to_string(root().join(folder).join("mod.rs")).expect("a table");
         // In the folder of drivers lies also what they share.

@@ -8,6 +8,7 @@ use ltsc_core::files::{MemoryFiles, Sink, VPath};
 use ltsc_core::import as importers;
 use ltsc_core::print::{self, Options, Printed};
 use ltsc_evaluation::disk::{DiskSink, unwritable, write_whole};
+use ltsc_render::regular;
 
 use super::said::plural;
 use super::shared::{CheckedFile, check, report, set_of};
@@ -54,7 +55,10 @@ pub fn run(command: &Import) -> Result<Exit, Failure> {
         return Ok(refuse(&[checked]));
     }
     read_back(&scene, &printed)?;
-    if text.exists() && !command.force && std::fs::read(&text).ok().as_deref() != Some(printed.text.as_bytes()) {
+    if text.exists()
+        && !command.force
+        && regular::read(&text, regular::TEXT).ok().as_deref() != Some(printed.text.as_bytes())
+    {
         return Err(Failure::new(Exit::Usage, format!("{} is there already, and is another text", text.display()))
             .help("name another place by `-o`, or write over it by `--force`"));
     }

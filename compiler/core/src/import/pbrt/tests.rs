@@ -5,7 +5,6 @@ mod settings;
 mod shapes;
 mod surfaces;
 mod text;
-mod thesis;
 
 use crate::diag::{Finding, Origin, Severity, Sources};
 use crate::files::{MemoryFiles, VPath};

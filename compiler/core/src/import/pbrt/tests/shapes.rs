@@ -92,7 +92,7 @@ fn disks_cylinders_and_cones() {
     assert!((cone / (PI * 2.0_f64.sqrt()) - 1.0).abs() < 1e-3 && front[0] > 0.0 && front[2] > 0.0);
     let (bowl, front) = of("Shape \"paraboloid\"");
     // pi / 6 (5^(3/2) - 1)
-    assert!((bowl / (PI / 6.0 * (5.0_f64.powf(1.5) - 1.0)) - 1.0).abs() < 5e-3 && front[2] < 0.0);
+    assert!((bowl / (PI / 6.0 * (libm::pow(5.0, 1.5) - 1.0)) - 1.0).abs() < 5e-3 && front[2] < 0.0);
 }
 
 #[test]

@@ -50,9 +50,9 @@ fn materials_without_a_counterpart_are_grey() {
 
 #[test]
 fn roughness_is_the_width_of_ggx_by_the_version() {
-    let alpha = |read: Read| match read.bsdf() {
-        Bsdf::Conductor { eta: _, k: _, alpha } => *alpha,
-        other => panic!("{other:?}"),
+    let alpha = |read: Read| {
+        let Bsdf::Conductor { eta: _, k: _, alpha } = read.bsdf() else { panic!("{:?}", read.bsdf()) };
+        *alpha
     };
     // 1.62142 - 0.819955 * 2.302585 + 0.1734 * 5.301898 - 0.0171201 * 12.208072 + 0.000640711 * 28.110124
     assert!((alpha(world("Integrator \"path\" Material \"metal\" \"float roughness\" .1")) - 0.461_761).abs() < 1e-5);
@@ -76,9 +76,9 @@ fn metals_by_name_and_number() {
     let gold = metals::metal("Au").expect("gold");
     let copper = metals::metal("Cu").expect("copper");
     let of = |(eta, k): ([f64; 3], [f64; 3])| (Color::Rgb(eta), Color::Rgb(k));
-    let found = |read: &Read| match read.bsdf() {
-        Bsdf::Conductor { eta, k, alpha: _ } => (eta.clone(), k.clone()),
-        other => panic!("{other:?}"),
+    let found = |read: &Read| {
+        let Bsdf::Conductor { eta, k, alpha: _ } = read.bsdf() else { panic!("{:?}", read.bsdf()) };
+        (eta.clone(), k.clone())
     };
     assert_eq!(
         found(&in_version(
@@ -122,9 +122,9 @@ fn mirrors() {
 
 #[test]
 fn coats_over_a_base() {
-    let plastic = |read: &Read| match read.bsdf() {
-        Bsdf::Plastic { reflectance, ior, alpha } => (reflectance.color().expect("a color").rgb(), *ior, *alpha),
-        other => panic!("{other:?}"),
+    let plastic = |read: &Read| {
+        let Bsdf::Plastic { reflectance, ior, alpha } = read.bsdf() else { panic!("{:?}", read.bsdf()) };
+        (reflectance.color().expect("a color").rgb(), *ior, *alpha)
     };
     // Ks 1: as much as glass of 1.5 head-on, 0.04.
     let read = world(
@@ -188,9 +188,10 @@ fn mixtures() {
 
 #[test]
 fn colors_of_all_kinds() {
-    let color = |text: &str| match world(&format!("Material \"matte\" {text}")).bsdf() {
-        Bsdf::Diffuse { reflectance } => reflectance.color().expect("a color").rgb(),
-        other => panic!("{other:?}"),
+    let color = |text: &str| {
+        let read = world(&format!("Material \"matte\" {text}"));
+        let Bsdf::Diffuse { reflectance } = read.bsdf() else { panic!("{:?}", read.bsdf()) };
+        reflectance.color().expect("a color").rgb()
     };
     // White of D65.
     assert!(color("\"xyz Kd\" [.475235 .5 .544415]").iter().all(|channel| (channel - 0.5).abs() < 1e-3));
@@ -269,9 +270,10 @@ fn a_checkerboard_has_its_first_color_at_the_origin() {
 
 #[test]
 fn textures_of_constants_are_colors() {
-    let color = |text: &str| match textured(text, "").bsdf() {
-        Bsdf::Diffuse { reflectance } => reflectance.color().expect("a color").rgb(),
-        other => panic!("{other:?}"),
+    let color = |text: &str| {
+        let read = textured(text, "");
+        let Bsdf::Diffuse { reflectance } = read.bsdf() else { panic!("{:?}", read.bsdf()) };
+        reflectance.color().expect("a color").rgb()
     };
     assert!(close(&color("Texture \"t\" \"spectrum\" \"constant\" \"rgb value\" [.1 .2 .3]"), &[0.1, 0.2, 0.3]));
     assert!(close(
