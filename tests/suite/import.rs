@@ -143,3 +143,15 @@ fn a_scene_of_another_program_becomes_a_text_to_edit() {
     let ran = run(ltsc().current_dir(folder.path()).args(["import", "new.lts"]));
     assert!(ran.code == Some(2) && ran.err.contains("xml"), "{}", ran.err);
 }
+
+/// Every pair of them has faces in one plane: each surface is named once, and the work does not grow with the third power of their number.
+#[test]
+fn many_surfaces_in_one_place_are_named_once_each() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let shapes = "<shape type=\"rectangle\"/>\n".repeat(300);
+    fs::write(folder.path().join("many.xml"), format!("<scene version=\"3.0.0\">\n{shapes}</scene>")).expect("written");
+    let ran = run(ltsc().current_dir(folder.path()).args(["lint", "many.xml", "--format", "short"]));
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let named = (ran.out + &ran.err).matches("overlapping-faces").count();
+    assert_eq!(named, 299);
+}

@@ -45,6 +45,8 @@ pub struct Contacts {
     pub found: Vec<Contact>,
     /// How many pairs of shapes were left out because the work would have taken too long.
     pub left_out: usize,
+    /// Whether still more were left out, and not counted.
+    pub uncounted: bool,
 }
 
 impl Contacts {

@@ -12,8 +12,14 @@ use crate::survey::{Bounds, Placed, Survey};
 /// Boxes and triangles that are looked at before pairs are left out. Some ten seconds.
 const BUDGET: u64 = 1_000_000_000;
 
-/// The most pairs of uses that are kept, in 128 MiB.
-const PAIRS: usize = 1 << 24;
+/// The most pairs of uses that are kept, in 32 MiB.
+const PAIRS: usize = 1 << 22;
+
+/// So many pairs more than those are counted.
+const UNCOUNTED: usize = 1 << 24;
+
+/// The most contacts that are kept, in about as much.
+const CONTACTS: usize = 1 << 19;
 
 /// A mesh of so many triangles is scanned whenever it is asked for.
 const SMALL: usize = 256;
@@ -145,7 +151,7 @@ impl<'s> Search<'s> {
             |one, other| {
                 let same = classes[one].is_some() && classes[one] == classes[other];
                 if same && !small[one] && !small[other] {
-                    return;
+                    return true;
                 }
                 let into = if same { &mut alike } else { &mut pairs };
                 if into.len() < PAIRS {
@@ -153,6 +159,9 @@ impl<'s> Search<'s> {
                 } else {
                     contacts.left_out += 1;
                 }
+                // So many more are not even counted.
+                contacts.uncounted = contacts.left_out >= UNCOUNTED;
+                !contacts.uncounted
             },
         );
         // In the order of the scene, for the work may run out.
@@ -199,7 +208,7 @@ impl<'s> Search<'s> {
     }
 
     fn contact(&mut self, uses: [usize; 2], region: Bounds, contacts: &mut Contacts) {
-        if self.looked > self.budget {
+        if self.looked > self.budget || contacts.found.len() == CONTACTS {
             contacts.left_out += 1;
             return;
         }

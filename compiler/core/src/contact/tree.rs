@@ -70,12 +70,17 @@ impl Tree {
     }
 
     /// Calls `found` with every two items whose boxes, `bounds`, touch, the lower first and each pair once; gives the number of
-    /// boxes looked at. The items of a leaf are neighbors, and look for theirs together.
-    pub fn each_pair(&self, bounds: impl Fn(usize) -> Bounds, mut found: impl FnMut(usize, usize)) -> u64 {
+    /// boxes looked at. The items of a leaf are neighbors, and look for theirs together. Where `found` says no, the next leaves are not
+    /// looked at.
+    pub fn each_pair(&self, bounds: impl Fn(usize) -> Bounds, mut found: impl FnMut(usize, usize) -> bool) -> u64 {
         let mut looked = 0;
+        let mut more = true;
         let Some(leaves) = self.levels.first() else { return 0 };
         let mut own: Vec<(usize, Bounds)> = Vec::with_capacity(WIDTH);
         for (leaf, around) in leaves.iter().enumerate() {
+            if !more {
+                break;
+            }
             own.clear();
             own.extend(self.items(leaf).iter().map(|item| (*item as usize, bounds(*item as usize))));
             looked += self.leaves(*around, leaf, |other| {
@@ -87,7 +92,7 @@ impl Tree {
                         continue;
                     }
                     for (first, _) in firsts.iter().filter(|(_, first)| first.touches(second)) {
-                        found((*first).min(item), (*first).max(item));
+                        more &= found((*first).min(item), (*first).max(item));
                     }
                 }
             });
@@ -195,7 +200,10 @@ mod tests {
                 Bounds { low, high: [0, 1, 2].map(|axis| low[axis] + f64::from(size[axis] % 40)) }
             };
             let mut found = Vec::new();
-            Tree::of(boxes.len(), bounds).each_pair(bounds, |a, b| found.push((a, b)));
+            Tree::of(boxes.len(), bounds).each_pair(bounds, |a, b| {
+                found.push((a, b));
+                true
+            });
             found.sort_unstable();
             let all = (0..boxes.len()).flat_map(|a| (a + 1..boxes.len()).map(move |b| (a, b)));
             let expected: Vec<_> = all.filter(|(a, b)| bounds(*a).common(bounds(*b)).is_some()).collect();

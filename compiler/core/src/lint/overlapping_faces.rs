@@ -1,6 +1,8 @@
 //! Rule `overlapping-faces`: two surfaces do not share a plane.
 #![doc = include_str!("overlapping_faces.md")]
 
+use std::collections::HashSet;
+
 use super::{Level, Report, Rule, Subject, also, plural, short};
 use crate::contact::{Role, coplanarity, places, role};
 use crate::survey::{Placed, faces_against, whole, winding};
@@ -14,10 +16,23 @@ pub(super) const RULE: Rule = Rule {
     check,
 };
 
+/// What may be done to find out whether light reaches places where surfaces of one material meet: some seconds.
+const WORK: u64 = 20_000_000;
+
+/// What a surface near such a place costs beside its triangles.
+const NEAR: u64 = 50;
+
 fn check(subject: &Subject<'_>, report: &mut Report) {
     let survey = subject.survey();
     let contacts = subject.contacts();
+    // Of a surface that lies in one plane with many one is named.
+    let mut told = HashSet::new();
+    let mut work = WORK;
+    let mut left_out = contacts.left_out;
     for contact in &contacts.found {
+        if told.contains(&contact.uses[1]) {
+            continue;
+        }
         let uses = contact.uses.map(|at| &survey.placed[at]);
         let [one, other] = uses;
         // Glass, and lamps in walls, have rules of their own.
@@ -31,13 +46,22 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
         let opposite = || contact.opposite.coplanar > 0.0 && open();
         let alike = !both_emit && alike(subject, uses);
         let seen = if alike {
-            subject.asks_for("cycles") && (contact.same.coplanar > 0.0 && lit(subject, contact.uses) || opposite())
+            if !subject.asks_for("cycles") {
+                continue;
+            }
+            let same = if contact.same.coplanar > 0.0 { lit(subject, contact.uses, &mut work) } else { Some(false) };
+            let Some(same) = same else {
+                left_out += 1;
+                continue;
+            };
+            same || opposite()
         } else {
             contact.same.coplanar > 0.0 || opposite()
         };
         if !seen {
             continue;
         }
+        told.insert(contact.uses[1]);
         let message = format!("faces of `{}` and `{}` lie over each other in one plane", one.name(), other.name());
         let (note, help) = if alike {
             (
@@ -61,8 +85,9 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
         let finding = report.add(other.origin, message, "this one", note, help);
         also(finding, one.origin, "in one plane with it");
     }
-    if contacts.left_out > 0 {
-        let pairs = plural(contacts.left_out, "pair");
+    if left_out > 0 {
+        let least = if contacts.uncounted { "at least " } else { "" };
+        let pairs = format!("{least}{}", plural(left_out, "pair"));
         report.add(
             &subject.scene.origin,
             format!("{pairs} of surfaces were not held against each other"),
@@ -82,23 +107,40 @@ fn alike(subject: &Subject<'_>, uses: [&Placed<'_>; 2]) -> bool {
 }
 
 /// Whether light can reach a place where two uses look the same way: it does not lie within a closed opaque body, nor against a wall.
-fn lit(subject: &Subject<'_>, uses: [usize; 2]) -> bool {
+/// None where `work` is used up, which counts the surfaces that are looked at, those near the place by their triangles.
+fn lit(subject: &Subject<'_>, uses: [usize; 2], work: &mut u64) -> Option<bool> {
     let survey = subject.survey();
-    places(survey, uses).into_iter().any(|(place, normal)| {
+    let mut spend = |cost: u64| {
+        let left = work.checked_sub(cost);
+        *work = left.unwrap_or_default();
+        left
+    };
+    spend(NEAR)?;
+    for (place, normal) in places(survey, uses) {
         let reach = place.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
         let off = 8.0 * coplanarity(reach);
         let before = [0, 1, 2].map(|axis| place[axis] + off * normal[axis]);
-        let hides = |placed: &&Placed<'_>| {
-            placed.bounds.contains(before)
-                && role(survey, placed) != Role::Dielectric
+        let mut dark = false;
+        for (at, placed) in survey.placed.iter().enumerate() {
+            spend(1)?;
+            let near = placed.bounds.grown(off).contains(place) || placed.bounds.contains(before);
+            if !near || role(survey, placed) == Role::Dielectric {
+                continue;
+            }
+            let triangles = subject.scene.meshes[placed.shape.mesh].triangles.len() as u64;
+            spend(NEAR.saturating_add(triangles))?;
+            let hides = placed.bounds.contains(before)
                 && subject.is_closed(placed.shape.mesh)
-                && whole(winding(survey.triangles(placed), before)).is_some_and(|times| times != 0)
-        };
-        let covers = |(at, placed): (usize, &Placed<'_>)| {
-            !uses.contains(&at)
-                && role(survey, placed) != Role::Dielectric
-                && faces_against(survey, placed, place, normal, 2.0 * coplanarity(reach))
-        };
-        !survey.placed.iter().any(|placed| hides(&placed)) && !survey.placed.iter().enumerate().any(covers)
-    })
+                && whole(winding(survey.triangles(placed), before)).is_some_and(|times| times != 0);
+            let covers = !uses.contains(&at) && faces_against(survey, placed, place, normal, 2.0 * coplanarity(reach));
+            if hides || covers {
+                dark = true;
+                break;
+            }
+        }
+        if !dark {
+            return Some(true);
+        }
+    }
+    Some(false)
 }
