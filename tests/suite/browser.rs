@@ -104,14 +104,8 @@ pub fn wait<T>(look: impl Fn() -> Option<T>) -> T {
 }
 
 impl Browser {
-    /// Each browser in its turn, for tests that run in all; a word about those that are not there.
-    pub fn each(test: &str, size: (u32, u32)) -> impl Iterator<Item = Self> {
-        let start = [Self::start, Self::firefox];
-        start.into_iter().filter_map(move |start| start(test, size))
-    }
-
     /// Firefox with a window of this size; nothing, and a word about it, where there is none.
-    fn firefox(test: &str, size: (u32, u32)) -> Option<Self> {
+    pub fn firefox(test: &str, size: (u32, u32)) -> Option<Self> {
         let Some(programs) = firefox::programs() else {
             skip(test, "Firefox and Xvfb");
             return None;
