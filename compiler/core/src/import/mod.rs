@@ -4,6 +4,7 @@
 //! findings of a file come in one run. Nothing in here panics, opens a file outside the root, or takes memory by a claim of the input.
 
 mod build;
+mod color;
 mod metals;
 pub mod mitsuba;
 pub mod pbrt;

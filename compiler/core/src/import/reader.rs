@@ -159,3 +159,9 @@ impl<'f> Reader<'f> {
         (self.findings, self.inputs)
     }
 }
+
+/// A word from a file as it can stand in a message.
+pub fn shown(text: &str) -> String {
+    let plain: String = text.chars().filter(|c| !c.is_control()).take(60).collect();
+    if plain.len() < text.len() { format!("{plain}...") } else { plain }
+}

@@ -3,29 +3,9 @@
 use super::plugin::{number, numbers};
 use super::tree::Element;
 use crate::image;
-use crate::import::reader::{Fate, Reader};
+use crate::import::color::{self, Use};
+use crate::import::reader::Reader;
 use crate::ir::{Color, Meaning, Spectrum};
-
-/// What a color is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Use {
-    /// A share of light: from 0 to 1, what lies outside is cut with a finding.
-    Share,
-    /// Radiance, intensity, irradiance: not below 0.
-    Light,
-    /// An index of refraction or extinction: not below 0.
-    Index,
-}
-
-impl Use {
-    fn meaning(self) -> Meaning {
-        match self {
-            Self::Share => Meaning::Share,
-            Self::Light => Meaning::Light,
-            Self::Index => Meaning::Index,
-        }
-    }
-}
 
 /// The color that an element says; what is wrong, in words.
 pub fn read(element: &Element, use_of: Use, reader: &mut Reader<'_>) -> Result<Color, String> {
@@ -48,7 +28,7 @@ pub fn read(element: &Element, use_of: Use, reader: &mut Reader<'_>) -> Result<C
         "blackbody" => black_body(element)?,
         other => return Err(format!("`{other}` is no color")),
     };
-    Ok(cut(color, use_of, element, reader))
+    Ok(color::cut(color, use_of, element.span, reader))
 }
 
 /// One number, three, or `#rrggbb` by the sRGB curve.
@@ -64,8 +44,7 @@ fn triple(text: &str) -> Result<Color, String> {
     }
     match numbers(text).as_deref() {
         Some([grey]) => Ok(Color::Grey(*grey)),
-        Some([r, g, b]) if r == g && g == b => Ok(Color::Grey(*r)),
-        Some([r, g, b]) => Ok(Color::Rgb([*r, *g, *b])),
+        Some([r, g, b]) => Ok(color::of_rgb([*r, *g, *b])),
         _ => Err("it is neither one finite number nor three".to_owned()),
     }
 }
@@ -86,37 +65,11 @@ fn points(text: &str) -> Result<Vec<(f64, f64)>, String> {
     Ok(points)
 }
 
-/// Planck's law in W/(m2 sr nm), as Mitsuba has it (`BlackBodySpectrum` of 0.6): constants of CODATA 2018.
+/// In W/(m2 sr nm), as Mitsuba has it (`BlackBodySpectrum` of 0.6).
 fn black_body(element: &Element) -> Result<Color, String> {
     let written = element.word("temperature").trim().trim_end_matches(['K', 'k']);
-    let kelvin = number(written).filter(|kelvin| (100.0..=1e6).contains(kelvin));
+    let kelvin = number(written).filter(|kelvin| color::KELVIN.contains(kelvin));
     let kelvin = kelvin.ok_or("its `temperature` is not between 100 and 1e6 kelvin")?;
     let scale = element.get("scale").map_or(Some(1.0), number).ok_or("its `scale` is no number")?;
-    let radiance = |nanometers: f64| {
-        let length = nanometers * 1e-9;
-        let exponent = 1.438_776_877e-2 / (length * kelvin);
-        scale * 1e-9 * 1.191_042_972e-16 / (length * length * length * length * length * libm::expm1(exponent))
-    };
-    let points: Vec<(f64, f64)> =
-        (0..=47).map(|at| 360.0 + 10.0 * f64::from(at)).map(|at| (at, radiance(at))).collect();
-    Ok(Color::Spectrum(Spectrum::new(&points, Meaning::Light)))
-}
-
-/// What lies outside of what a color of this use can be.
-fn cut(color: Color, use_of: Use, element: &Element, reader: &mut Reader<'_>) -> Color {
-    let most = if use_of == Use::Share { 1.0 } else { f64::INFINITY };
-    if color.min() >= 0.0 && color.max() <= most {
-        return color;
-    }
-    let what = if use_of == Use::Share { "a share of light beyond 0 to 1 is cut" } else { "a color below 0 is cut" };
-    reader.lost(Fate::Approximated, element.span, what);
-    match color {
-        Color::Grey(grey) => Color::Grey(grey.clamp(0.0, most)),
-        Color::Rgb(rgb) => Color::Rgb(rgb.map(|channel| channel.clamp(0.0, most))),
-        Color::Spectrum(spectrum) => {
-            let points: Vec<(f64, f64)> =
-                spectrum.points().iter().map(|(at, value)| (*at, value.clamp(0.0, most))).collect();
-            Color::Spectrum(Spectrum::new(&points, use_of.meaning()))
-        }
-    }
+    Ok(Color::Spectrum(color::black_body(kelvin, scale)))
 }

@@ -1,12 +1,12 @@
 //! Lights without a surface.
 
-use super::color::Use;
 use super::plugin::Plugin;
 use super::surface::World;
-use super::tree::shown;
 use crate::diag::Origin;
 use crate::formats::mitsuba::names::ENVIRONMENT;
 use crate::import::Builder;
+use crate::import::color::Use;
+use crate::import::reader::shown;
 use crate::import::reader::{Fate, Reader};
 use crate::ir::{Affine, Color, ColorOrTexture, Encoding, LightKind, Vec3, length, normalized, sub};
 

@@ -14,6 +14,7 @@ mod tree;
 use std::collections::BTreeMap;
 
 use super::build::Settings;
+use super::reader::shown;
 use super::reader::{Fate, Reader};
 use super::{Builder, Importer, name_of};
 use crate::files::VPath;
@@ -21,7 +22,7 @@ use crate::ir::{Affine, Scene, Vec3, cross, normalized};
 use plugin::Plugin;
 use shape::Shapes;
 use surface::World;
-use tree::{Element, shown};
+use tree::Element;
 
 /// Its row.
 pub(super) const IMPORTER: Importer =

@@ -1,8 +1,10 @@
 //! Plugins: elements with a type, whose children are their parameters, asked for by name. What nobody asks for is a finding.
 
 use super::color;
-use super::tree::{Element, shown};
+use super::tree::Element;
 use crate::diag::Span;
+use crate::import::color::Use;
+use crate::import::reader::shown;
 use crate::import::reader::{Fate, Reader};
 use crate::ir::{Affine, Color, Vec3, cross, normalized, sub};
 
@@ -151,7 +153,7 @@ impl<'e> Plugin<'e> {
     }
 
     /// A color that is the same everywhere; none where the parameter is missing or is a texture, which stays to be looked at.
-    pub fn color(&self, name: &str, use_of: color::Use, reader: &mut Reader<'_>) -> Option<Color> {
+    pub fn color(&self, name: &str, use_of: Use, reader: &mut Reader<'_>) -> Option<Color> {
         let found = self.find(name)?;
         if !VALUES.contains(&found.tag.as_str()) || found.tag == "ref" {
             return None;

@@ -2,10 +2,10 @@
 
 use super::plugin::Plugin;
 use super::surface::World;
-use super::tree::shown;
 use crate::diag::Origin;
 use crate::import::Builder;
 use crate::import::build::Settings;
+use crate::import::reader::shown;
 use crate::import::reader::{Fate, Reader};
 use crate::ir::{Affine, Camera, Film, Filter, Integrator, Sampler, Vec3, length, normalized};
 

@@ -2,14 +2,14 @@
 
 use std::collections::HashMap;
 
-use super::color::Use;
 use super::frame;
 use super::plugin::Plugin;
 use super::surface::{Made, Map, World};
-use super::tree::shown;
 use crate::diag::Origin;
 use crate::import::Builder;
 use crate::import::build::{Shading, Wanted};
+use crate::import::color::Use;
+use crate::import::reader::shown;
 use crate::import::reader::{Fate, Reader};
 use crate::ir::{Affine, Arena, Bsdf, Color, Group, Handle, Mesh, Shape, length, sub};
 use crate::mesh::{self, Axis, Extent, Geometry, SignedAxis};

@@ -2,14 +2,15 @@
 
 use std::collections::BTreeMap;
 
-use super::color::Use;
 use super::plugin::Plugin;
-use super::tree::{Element, shown};
+use super::tree::Element;
 use crate::diag::{Origin, nearest};
 use crate::files::VPath;
 use crate::formats::shared::coat::Coat;
 use crate::import::Builder;
+use crate::import::color::Use;
 use crate::import::metals;
+use crate::import::reader::shown;
 use crate::import::reader::{Fate, Reader};
 use crate::ir::{Bsdf, Color, ColorOrTexture, Encoding, Handle, Texture};
 

@@ -9,7 +9,7 @@ use quick_xml::reader::Reader as Xml;
 
 use crate::diag::{FileId, Finding, Span};
 use crate::files::VPath;
-use crate::import::reader::{Fate, Reader};
+use crate::import::reader::{Fate, Reader, shown};
 
 /// How deep elements may be nested: scenes need about ten.
 const DEPTH: usize = 64;
@@ -318,12 +318,6 @@ fn snake(name: &str) -> String {
         before = c;
     }
     snake
-}
-
-/// A word from a file as it can stand in a message.
-pub fn shown(text: &str) -> String {
-    let plain: String = text.chars().filter(|c| !c.is_control()).take(60).collect();
-    if plain.len() < text.len() { format!("{plain}...") } else { plain }
 }
 
 #[cfg(test)]

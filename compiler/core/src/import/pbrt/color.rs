@@ -1,35 +1,13 @@
 //! Colors: `rgb`, `color`, `xyz`, `spectrum` in all its forms, `blackbody`.
 
 use super::dialect::Dialect;
-use super::params::{Param, Params, Values, shown};
+use super::params::{Param, Params, Values};
 use super::world::World;
 use crate::diag::{Span, nearest};
+use crate::import::color::{self, Use, of_rgb};
 use crate::import::metals;
+use crate::import::reader::shown;
 use crate::ir::{Color, Meaning, Spectrum};
-
-/// What a color is for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Use {
-    /// A share of light: from 0 to 1, what lies outside is cut with a finding.
-    Share,
-    /// Radiance, intensity, irradiance: not below 0.
-    Light,
-    /// An index of refraction or extinction: not below 0.
-    Index,
-}
-
-impl Use {
-    fn meaning(self) -> Meaning {
-        match self {
-            Self::Share => Meaning::Share,
-            Self::Light => Meaning::Light,
-            Self::Index => Meaning::Index,
-        }
-    }
-}
-
-/// No light is brighter, so that its numbers stay finite.
-const BRIGHTEST: f64 = 1e28;
 
 /// v4's glasses: indices at the yellow line of helium (587.6 nm), by the catalogue of Schott. The names are those of `spectrum.cpp`.
 const GLASSES: [(&str, f64); 7] = [
@@ -45,11 +23,6 @@ const GLASSES: [(&str, f64); 7] = [
 /// The index of a glass that v4 knows by name.
 pub fn glass(name: &str) -> Option<f64> {
     GLASSES.iter().find(|(known, _)| *known == name).map(|(_, ior)| *ior)
-}
-
-/// Grey where all three are equal.
-pub fn of_rgb(rgb: [f64; 3]) -> Color {
-    if rgb[0] == rgb[1] && rgb[1] == rgb[2] { Color::Grey(rgb[0]) } else { Color::Rgb(rgb) }
 }
 
 /// A color times another one.
@@ -70,17 +43,9 @@ pub fn times(a: &Color, b: &Color) -> Color {
     }
 }
 
-/// Planck's law by wavelength in nm, its largest value 1 (`BlackbodyNormalized`).
+/// By wavelength, its largest value 1 (`BlackbodyNormalized`), at Wien's wavelength.
 fn black_body(kelvin: f64) -> Spectrum {
-    let radiance = |nanometers: f64| {
-        let length = nanometers * 1e-9;
-        let squared = length * length;
-        1.0 / (squared * squared * length * libm::expm1(1.438_776_877e-2 / (length * kelvin)))
-    };
-    let most = radiance(2.897_771_955e6 / kelvin);
-    let points: Vec<(f64, f64)> =
-        (0..=47).map(|at| 360.0 + 10.0 * f64::from(at)).map(|at| (at, radiance(at) / most)).collect();
-    Spectrum::new(&points, Meaning::Light)
+    color::black_body(kelvin, 1.0 / color::planck(kelvin, 2.897_771_955e6 / kelvin))
 }
 
 impl World<'_, '_> {
@@ -145,7 +110,7 @@ impl World<'_, '_> {
             }
             [] => return Err("it has no temperature".to_owned()),
         };
-        if !(100.0..=1e6).contains(&kelvin) {
+        if !color::KELVIN.contains(&kelvin) {
             return Err("its temperature is not between 100 and 1e6 kelvin".to_owned());
         }
         if self.dialect == Dialect::Old {
@@ -223,27 +188,9 @@ impl World<'_, '_> {
         times(&Color::Spectrum(spectrum), &Color::Grey(1.0 / luminance))
     }
 
-    /// What lies outside of what a color of this use can be.
+    /// A color without what lies outside of what one of this use can be.
     pub fn cut(&mut self, color: Color, use_of: Use, span: Span) -> Color {
-        let most = if use_of == Use::Share { 1.0 } else { BRIGHTEST };
-        if color.min() >= 0.0 && color.max() <= most {
-            return color;
-        }
-        let what = match use_of {
-            Use::Share => "a share of light beyond 0 to 1 is cut",
-            Use::Light | Use::Index if color.min() < 0.0 => "a color below 0 is cut",
-            Use::Light | Use::Index => "a color beyond 1e28 is cut",
-        };
-        self.near(span, what);
-        match color {
-            Color::Grey(grey) => Color::Grey(grey.max(0.0).min(most)),
-            Color::Rgb(rgb) => Color::Rgb(rgb.map(|channel| channel.max(0.0).min(most))),
-            Color::Spectrum(spectrum) => {
-                let points: Vec<(f64, f64)> =
-                    spectrum.points().iter().map(|(at, value)| (*at, value.max(0.0).min(most))).collect();
-                Color::Spectrum(Spectrum::new(&points, use_of.meaning()))
-            }
-        }
+        color::cut(color, use_of, span, self.reader)
     }
 }
 

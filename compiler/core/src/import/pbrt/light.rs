@@ -3,15 +3,17 @@
 use std::f64::consts::PI;
 use std::rc::Rc;
 
-use super::color::{Use, times};
+use super::color::times;
 use super::dialect::Dialect;
-use super::params::{Params, shown};
+use super::params::Params;
 use super::settings::FARTHEST;
 use super::world::{World, inverse};
 use crate::diag::Span;
 use crate::files::VPath;
 use crate::formats::pbrt::names::ENVIRONMENT;
 use crate::image::Pixels;
+use crate::import::color::Use;
+use crate::import::reader::shown;
 use crate::ir::{
     Affine, Color, ColorOrTexture, Handle, LightKind, Meaning, Texture, Vec3, cross, dot, normalized, sub,
 };

@@ -2,15 +2,17 @@
 
 use std::rc::Rc;
 
-use super::color::{Use, glass};
+use super::color::glass;
 use super::dialect::Dialect;
-use super::params::{Params, Values, shown};
+use super::params::{Params, Values};
 use super::texture::Map;
 use super::world::World;
 use crate::diag::{Span, nearest};
 use crate::formats::shared::coat::Coat;
+use crate::import::color::{Use, of_rgb};
 use crate::import::metals;
 use crate::import::reader::Fate;
+use crate::import::reader::shown;
 use crate::ir::{Bsdf, Color, ColorOrTexture};
 
 /// What a surface is made of.
@@ -308,7 +310,7 @@ impl World<'_, '_> {
         let coat = Coat::new(ior);
         let reflectance = match reflectance {
             ColorOrTexture::Color(color) => {
-                ColorOrTexture::Color(super::color::of_rgb(color.rgb().map(|share| coat.base(share).min(1.0))))
+                ColorOrTexture::Color(of_rgb(color.rgb().map(|share| coat.base(share).min(1.0))))
             }
             texture @ ColorOrTexture::Texture(_) => {
                 let message = "a texture under a coat is darker than in the file, more so where it is bright";
@@ -434,7 +436,7 @@ impl World<'_, '_> {
         {
             let (one, other) = (one.rgb(), other.rgb());
             let mixed = [0, 1, 2].map(|at| one[at] + (other[at] - one[at]) * second);
-            return (Some(Bsdf::Diffuse { reflectance: super::color::of_rgb(mixed).into() }), Map::IDENTITY);
+            return (Some(Bsdf::Diffuse { reflectance: of_rgb(mixed).into() }), Map::IDENTITY);
         }
         if second > 0.0 && second < 1.0 {
             self.dropped(params.span, "of a mixture of materials the one with the larger share is taken");

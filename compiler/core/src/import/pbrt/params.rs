@@ -4,6 +4,7 @@ use std::cell::Cell;
 
 use super::tokens::{Token, Tokens};
 use crate::diag::Span;
+use crate::import::reader::shown;
 use crate::import::reader::{Fate, Reader};
 use crate::ir::Vec3;
 
@@ -58,12 +59,6 @@ pub struct Params {
     /// What they belong to: `matte`.
     pub kind: String,
     list: Vec<Param>,
-}
-
-/// A text as it stands in a message: short, on one line.
-pub fn shown(text: &str) -> String {
-    let plain: String = text.chars().filter(|c| !c.is_control()).take(60).collect();
-    if plain.len() < text.len() { format!("{plain}...") } else { plain }
 }
 
 impl Params {

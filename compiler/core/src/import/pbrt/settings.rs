@@ -1,10 +1,11 @@
 //! What is said before the world: camera, film, filter, sampler, algorithm.
 
 use super::dialect::Dialect;
-use super::params::{Params, shown};
+use super::params::Params;
 use super::world::{World, inverse};
 use crate::import::build::Settings;
 use crate::import::reader::Fate;
+use crate::import::reader::shown;
 use crate::ir::{Affine, Camera, Film, Filter, Integrator, Sampler, Vec3, cross, dot, length, normalized};
 
 /// What a file has said so far, with the defaults of its version.

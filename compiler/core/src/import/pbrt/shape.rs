@@ -5,13 +5,14 @@ use std::rc::Rc;
 
 use super::dialect::Dialect;
 use super::material::grey;
-use super::params::{Params, shown};
+use super::params::Params;
 use super::round;
 use super::texture::Map;
 use super::world::World;
 use crate::import::Builder;
 use crate::import::build::{Shading, Wanted};
 use crate::import::reader::Fate;
+use crate::import::reader::shown;
 use crate::ir::{Bsdf, Color, Handle, Mesh, Shape, cross, dot, normalized, sub};
 use crate::mesh::{self, Geometry};
 
@@ -91,7 +92,7 @@ impl World<'_, '_> {
         }
         let share = if mean > 0.0 { power / (sides * PI * mean) } else { 0.0 };
         let radiance = super::color::times(&area.radiance, &Color::Grey(share));
-        Some(self.cut(radiance, super::color::Use::Light, area.span))
+        Some(self.cut(radiance, crate::import::color::Use::Light, area.span))
     }
 
     /// Holes in a surface.

@@ -1,13 +1,15 @@
 //! Textures: what colors a surface, and the maps of its coordinates.
 
-use super::color::{Use, of_rgb, times};
+use super::color::times;
 use super::dialect::Dialect;
-use super::params::{Params, shown};
+use super::params::Params;
 use super::tokens::Tokens;
 use super::world::World;
 use crate::diag::{Span, nearest};
 use crate::files::VPath;
+use crate::import::color::{Use, of_rgb};
 use crate::import::reader::Fate;
+use crate::import::reader::shown;
 use crate::ir::{Color, ColorOrTexture, Encoding};
 
 /// A map of texture coordinates: factor and offset of u and of v.

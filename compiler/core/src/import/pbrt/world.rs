@@ -7,13 +7,14 @@ use std::sync::Arc;
 use super::dialect::{self, Dialect};
 use super::light::Area;
 use super::material::Surface;
-use super::params::{Param, Params, shown};
+use super::params::{Param, Params};
 use super::settings::Wanted;
 use super::texture::Paint;
 use super::tokens::{Token, Tokens};
 use crate::diag::{FileId, Finding, Span};
 use crate::files::VPath;
 use crate::import::Builder;
+use crate::import::reader::shown;
 use crate::import::reader::{Fate, Reader};
 use crate::ir::{self, Affine, Handle, Mesh, Scene, Texture, cross, normalized, sub};
 
