@@ -4,6 +4,7 @@ mod calibrate;
 mod docs;
 mod eval;
 mod reference;
+mod translate;
 
 use std::path::PathBuf;
 
@@ -16,6 +17,7 @@ pub use calibrate::Calibrate;
 pub use docs::{Doc, DocFormat, Explain, Manual};
 pub use eval::{Clean, CleanWhen, Eval, Reduce, Report, Serve, View};
 pub use reference::{Reference, ReferenceAction, ReferenceAdd, ReferenceList};
+pub use translate::{Emit, Import};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -506,45 +508,6 @@ pub struct Similar {
     /// Show the scenes that are not near, too.
     #[arg(long)]
     pub all: bool,
-    #[command(flatten)]
-    pub findings: Findings,
-}
-
-#[derive(Args, Debug)]
-pub struct Import {
-    /// The scene of another program.
-    pub scene: PathBuf,
-    /// The text, or the folder for it; meshes and images go into a folder of its name beside it [default: the scene's name here].
-    #[arg(short, long, value_name = "FILE.lts|DIR")]
-    pub output: Option<PathBuf>,
-    /// The value of a parameter that the file declares (`<default>` of Mitsuba); may be given several times.
-    #[arg(long, value_name = "NAME=VALUE")]
-    pub set: Vec<String>,
-    /// Write also over a text that is there, and over files that ltsc did not write, or that were changed since.
-    #[arg(long)]
-    pub force: bool,
-    #[command(flatten)]
-    pub findings: Findings,
-}
-
-#[derive(Args, Debug)]
-pub struct Emit {
-    /// The scene file.
-    pub scene: Option<PathBuf>,
-    /// The target: mitsuba-3, mitsuba-0.6, mitsuba-0.5, pbrt-v4, pbrt-v3, luxcore, cycles, gltf or glb.
-    #[arg(long, value_name = "TARGET", default_value = "", hide_default_value = true)]
-    pub target: String,
-    /// An option of a target, such as `gltf.instancing`; `ltsc explain --target NAME` lists them.
-    #[arg(long, value_name = "TARGET.OPTION", value_delimiter = ',')]
-    pub option: Vec<String>,
-    /// The folder to write [default: `./<scene>-<target>`].
-    #[arg(short, long, value_name = "DIR")]
-    pub output: Option<PathBuf>,
-    /// Write also over files that ltsc did not write, or that were changed since.
-    #[arg(long)]
-    pub force: bool,
-    #[command(flatten)]
-    pub settings: Settings,
     #[command(flatten)]
     pub findings: Findings,
 }
