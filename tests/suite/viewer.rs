@@ -382,9 +382,12 @@ fn many_images_are_loaded_where_they_are_looked_at() {
     for at in 0..50 {
         stage.image(&format!("many/scenes/s/{at:02}.exr"), &ramp(64, 48, 1.0 + at as f32));
     }
-    // One is large enough to come in parts.
-    stage.image("many/scenes/large/a.exr", &ramp(1000, 900, 1e-3));
-    stage.image("many/scenes/large/b.exr", &ramp(1000, 900, 2e-3));
+    // Some are large enough to come in parts, beside and below each other.
+    let large = [("wide", 1000, 150), ("tall", 130, 900)];
+    for (scene, width, height) in large {
+        stage.image(&format!("many/scenes/{scene}/a.exr"), &ramp(width, height, 1e-3));
+        stage.image(&format!("many/scenes/{scene}/b.exr"), &ramp(width, height, 2e-3));
+    }
     let index = stage.report("many");
     let Some(mut browser) = Browser::start("many_images_are_loaded_where_they_are_looked_at", WINDOW) else { return };
     browser.open(&index, "");
@@ -397,15 +400,17 @@ fn many_images_are_loaded_where_they_are_looked_at() {
     let seen = browser.files("/data/");
     assert!((7..40).contains(&seen), "{seen} files of a grid of 50");
     // Parts come where they are needed, and the whole is exact.
-    browser.open(&index, "#view?scene=large&a=a&b=b&show=map&map=relative&zoom=1");
-    let found = browser.floats("ltsc.draw.values(false).then((v) => v.numbers)");
-    assert_eq!(found.len(), 4 * 900_000);
-    let wanted =
-        (MAPS[2].measure)(&Pair::new(&ramp(1000, 900, 1e-3), &ramp(1000, 900, 2e-3)).expect("a pair")).expect("values");
-    assert!(found.chunks_exact(4).zip(&wanted).all(|(found, wanted)| (found[0] - wanted).abs() < 1e-3));
-    browser.open(&index, "#view?scene=large&a=a&b=b&zoom=0.25");
-    assert_eq!(browser.eval("ltsc.store.loaded().length"), 2);
-    assert_eq!(browser.eval("ltsc.store.done(ltsc.state.now.b)"), false, "a smaller image is enough");
+    for (scene, width, height) in large {
+        browser.open(&index, &format!("#view?scene={scene}&a=a&b=b&show=map&map=relative&zoom=1"));
+        let found = browser.floats("ltsc.draw.values(false).then((v) => v.numbers)");
+        assert_eq!(found.len(), 4 * width * height, "{scene}");
+        let pair = [1e-3, 2e-3].map(|step| ramp(width, height, step));
+        let wanted = (MAPS[2].measure)(&Pair::new(&pair[0], &pair[1]).expect("a pair")).expect("values");
+        assert!(found.chunks_exact(4).zip(&wanted).all(|(found, wanted)| (found[0] - wanted).abs() < 1e-3), "{scene}");
+        browser.open(&index, &format!("#view?scene={scene}&a=a&b=b&zoom=0.25"));
+        assert_eq!(browser.eval("ltsc.store.loaded().length"), 2, "{scene}");
+        assert_eq!(browser.eval("ltsc.store.done(ltsc.state.now.b)"), false, "a smaller image of {scene} is enough");
+    }
     quiet(&mut browser);
 }
 

@@ -4,8 +4,8 @@
 {
   let gl = null;
   let canvas = null;
-  let program = null;
-  let places = {};
+  let vertex = null;
+  const programs = new Map();
   const textures = new Map();
   const maps = new Map();
 
@@ -19,6 +19,26 @@
     return shader;
   }
 
+  /** The program that draws so, and where its settings are; made when it is first needed. */
+  function programOf({ kind, map, tone, taps, raw }) {
+    const what = { kind, map: kind === 2 ? map : 0, tone, taps, raw: Boolean(raw) };
+    const key = Object.values(what).join();
+    if (programs.has(key)) return programs.get(key);
+    const program = gl.createProgram();
+    gl.attachShader(program, vertex);
+    gl.attachShader(program, compile(gl.FRAGMENT_SHADER, ltsc.fragment(what)));
+    gl.linkProgram(program);
+    if (!gl.getProgramParameter(program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(gl.getProgramInfoLog(program));
+    const places = {};
+    const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS);
+    for (let i = 0; i < count; i++) {
+      const { name } = gl.getActiveUniform(program, i);
+      places[name.replace("[0]", "")] = gl.getUniformLocation(program, name);
+    }
+    programs.set(key, { program, places });
+    return programs.get(key);
+  }
+
   /** Makes the context; false where there is none, or it cannot do what is needed. */
   function start() {
     if (gl) return !gl.isContextLost();
@@ -26,22 +46,14 @@
       canvas = ltsc.el("canvas", {});
       gl = canvas.getContext("webgl2", { antialias: false, depth: false, alpha: true, premultipliedAlpha: false });
       if (!gl) return false;
-      program = gl.createProgram();
-      gl.attachShader(program, compile(gl.VERTEX_SHADER, ltsc.VERTEX));
-      gl.attachShader(program, compile(gl.FRAGMENT_SHADER, ltsc.FRAGMENT));
-      gl.linkProgram(program);
-      if (!gl.getProgramParameter(program, gl.LINK_STATUS)) throw new Error(gl.getProgramInfoLog(program));
-      const count = gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS);
-      for (let i = 0; i < count; i++) {
-        const { name } = gl.getActiveUniform(program, i);
-        places[name.replace("[0]", "")] = gl.getUniformLocation(program, name);
-      }
+      vertex = compile(gl.VERTEX_SHADER, ltsc.VERTEX);
+      programOf({ kind: 0, map: 0, tone: 0, taps: 1, raw: false });
       gl.bindVertexArray(gl.createVertexArray());
       canvas.addEventListener("webglcontextlost", () => {
         gl = null;
         textures.clear();
         maps.clear();
-        places = {};
+        programs.clear();
       });
       return true;
     } catch (error) {
@@ -123,6 +135,7 @@
   /** Sets everything for one drawing of `job`, whose sizes are those of the screen. */
   function prepare(job) {
     const { a, b } = job;
+    const { program, places } = programOf(job);
     gl.useProgram(program);
     const bind = (unit, name, made) => {
       gl.activeTexture(gl.TEXTURE0 + unit);
@@ -137,13 +150,10 @@
     gl.uniform2f(places.uSize, job.size[0], job.size[1]);
     gl.uniform1f(places.uScaleA, 1 / (a || b).factor);
     gl.uniform1f(places.uScaleB, 1 / (b || a).factor);
-    gl.uniform1i(places.uKind, job.kind);
-    gl.uniform1i(places.uMap, Math.max(job.map, 0));
     gl.uniform3fv(places.uGuard, job.guards || [-1, -1, -1]);
     gl.uniform1f(places.uShown, job.shown);
     gl.uniform1f(places.uGain, job.gain);
     gl.uniform1f(places.uGamma, job.gamma);
-    gl.uniform1i(places.uTone, job.tone);
     gl.uniform1i(places.uChannel, job.channel);
     gl.uniform3fv(places.uRange, job.range);
     gl.uniform3fv(places.uColors, ltsc.maths.TABLES[job.table].flat());
@@ -152,8 +162,6 @@
     gl.uniform1f(places.uStep, job.step);
     gl.uniform1f(places.uHeight, job.height);
     gl.uniform1f(places.uSplit, job.split);
-    gl.uniform1i(places.uTaps, job.taps);
-    gl.uniform1i(places.uRaw, job.raw ? 1 : 0);
   }
 
   /** Draws into the context of a pane. */

@@ -11,7 +11,8 @@ void main() {
   gl_Position = vec4(corner * 2.0 - 1.0, 0.0, 1.0);
 }`;
 
-  ltsc.FRAGMENT = `#version 300 es
+  /** The program of one kind of drawing: what does not change while it is looked at is a constant, so that only what is needed is computed. */
+  ltsc.fragment = ({ kind, map, tone, taps, raw }) => `#version 300 es
 precision highp float;
 precision highp int;
 precision highp sampler2D;
@@ -20,20 +21,21 @@ uniform sampler2D uA, uB, uM;
 uniform vec2 uSize;
 uniform float uScaleA, uScaleB;
 // 0 A, 1 B, 2 a map, 3 a map computed elsewhere, 4 A beside B.
-uniform int uKind, uMap;
+const int uKind = ${kind}, uMap = ${map};
 uniform vec3 uGuard;
 uniform float uShown;
 // What is shown: gain, tone (0 sRGB, 1 gamma, 2 false colors, 3 signed, 4 share), channel (0 all, 1 2 3, 4 luminance).
 uniform float uGain, uGamma;
-uniform int uTone, uChannel;
+const int uTone = ${tone};
+uniform int uChannel;
 uniform vec3 uRange;
 uniform vec3 uColors[10];
 uniform bool uFlip;
 // From the screen to pixels: the upper left corner, pixels a step, samples along each side of a step.
 uniform vec2 uOrigin;
 uniform float uStep, uHeight, uSplit;
-uniform int uTaps;
-uniform bool uRaw;
+const int uTaps = ${taps};
+const bool uRaw = ${raw};
 out vec4 result;
 
 const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
@@ -145,10 +147,8 @@ void main() {
   vec3 sum = vec3(0.0);
   float count = 0.0;
   bool bad = false;
-  for (int v = 0; v < 8; v++) {
-    if (v >= uTaps) break;
-    for (int u = 0; u < 8; u++) {
-      if (u >= uTaps) break;
+  for (int v = 0; v < uTaps; v++) {
+    for (int u = 0; u < uTaps; u++) {
       vec2 p = uOrigin + (screen - 0.5 + (vec2(float(u), float(v)) + 0.5) / float(uTaps)) * uStep;
       if (p.x < 0.0 || p.y < 0.0 || p.x >= uSize.x || p.y >= uSize.y) continue;
       if (image) {
