@@ -77,10 +77,19 @@ fn both_versions_of_the_thesis_s_scenes_are_one() {
 }
 
 /// Both files of a scene, in another renderer than the one that they were written for, against the image that the thesis's renderer made of
-/// them: 128 x 128 pixels; at 256 samples the noisiest tile scatters by 0.9 % (0.9 %
-/// for two images of 512), and the bound is four of that.
+/// them: at 128 x 128 pixels and 256 samples the noisiest tile scatters by 0.9 %, at 64 x 64 by twice that, and the bounds are four of it.
 #[test]
 fn scenes_of_the_thesis_look_as_they_did() {
+    look_as_they_did("64", 0.01, 0.072);
+}
+
+#[test]
+#[ignore = "long: 8 million paths"]
+fn scenes_of_the_thesis_look_just_as_they_did() {
+    look_as_they_did("128", 0.005, 0.036);
+}
+
+fn look_as_they_did(side: &str, mean: f64, tile: f64) {
     let Some(corpus) = corpus() else { return skip("the thesis's cbox_classic", "../shared/corpus/lteval") };
     if python("mitsuba-3").is_none() {
         return skip("scenes of the thesis", "`ltsc renderers install mitsuba-3`");
@@ -90,13 +99,13 @@ fn scenes_of_the_thesis_look_as_they_did() {
         let image = out.path().join(format!("{format}.exr"));
         let scene = corpus.join("cbox_classic").join(file);
         let mut command = ltsc();
-        command.arg("render").arg(scene).args(["--renderer", "mitsuba-3", "--width", "128", "--height", "128"]);
+        command.arg("render").arg(scene).args(["--renderer", "mitsuba-3", "--width", side, "--height", side]);
         let ran = run(command.args(["--samples", "256", "-o"]).arg(&image));
         assert_eq!(ran.code, Some(0), "{}", ran.err);
         let (ours, _) = read(&image).expect("an image");
         let (reference, _) = read(&corpus.join("cbox_classic/mitsuba_0_5/reference.exr")).expect("the reference");
-        let reference = reduce(&reference, 128, 128).expect("a smaller reference");
-        super::render::judge(&format!("{format} against the thesis"), &reference, &ours, 0.005, 0.036);
+        let reference = reduce(&reference, ours.width, ours.height).expect("a smaller reference");
+        super::render::judge(&format!("{format} against the thesis"), &reference, &ours, mean, tile);
     }
 }
 

@@ -87,10 +87,20 @@ fn prepare(state: State, folder: &Path, old: &Path) {
     }
 }
 
-/// Kills builds at random moments: 24 times, 1000 times with `LTSC_THOROUGH`.
+/// At a few random moments, in each state of the folder.
 #[test]
 fn a_killed_build_leaves_the_old_or_the_new_and_the_next_one_goes_on() {
-    let rounds = if std::env::var_os("LTSC_THOROUGH").is_some() { 1000 } else { 24 };
+    kill_builds(9, 0x2545_f491_4f6c_dd1d);
+}
+
+/// At more of them; at 1000 with `LTSC_THOROUGH`.
+#[test]
+#[ignore = "long: dozens of builds"]
+fn many_killed_builds_leave_the_old_or_the_new_and_the_next_one_goes_on() {
+    kill_builds(if std::env::var_os("LTSC_THOROUGH").is_some() { 1000 } else { 48 }, 0x9e37_79b9_7f4a_7c15);
+}
+
+fn kill_builds(rounds: usize, mut random: u64) {
     let (old, new) = (tempfile::tempdir().expect("a folder"), tempfile::tempdir().expect("a folder"));
     project(old.path(), true);
     project(new.path(), false);
@@ -99,7 +109,6 @@ fn a_killed_build_leaves_the_old_or_the_new_and_the_next_one_goes_on() {
     assert!(build(new.path()).status().expect("run").success());
     let whole = start.elapsed();
     let wanted = contents(new.path());
-    let mut random = 0x2545_f491_4f6c_dd1d_u64;
     let mut cut_short = 0;
     for round in 0..rounds {
         random ^= random << 13;

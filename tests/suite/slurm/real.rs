@@ -141,6 +141,7 @@ fn parent(pid: &str) -> String {
 
 /// One after the other: starting a cluster takes some seconds.
 #[test]
+#[ignore = "long: starts a cluster"]
 fn a_cluster_renders_what_this_machine_renders_and_survives_what_is_killed() {
     let Some(cluster) = Cluster::start() else {
         return skip("slurm", "`apt-get install slurmctld slurmd slurm-client munge`, and to be root");

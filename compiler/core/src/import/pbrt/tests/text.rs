@@ -221,7 +221,7 @@ fn a_scene_with_one_of_everything_is_read() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
 
     #[test]
     fn changed_texts_make_valid_scenes(
