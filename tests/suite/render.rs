@@ -360,6 +360,60 @@ fn three_renderers_agree_on_small_scenes() {
     agree_on(&scenes.into_iter().chain(micro).collect::<Vec<_>>());
 }
 
+/// Squares of each material that is black from behind, in a white room: the upper ones from the front, the lower ones from behind.
+const SIDES: &str = "lts 1\n\n/// Sides.\n///\n/// From the front and from behind.\nscene sides { paths: [\"LE\", \"L D+ E\"] }\n
+camera = perspective(eye: (0, -10, 0), target: (0, 0, 0), fov_x: 40deg)
+film = image(64, 24)
+integrator = path(max_depth: 2)
+sampler = independent(samples: 64)
+emitter room = box(size: 40) |> flip() with radiance(1)
+let metal = conductor(eta: rgb(0.2, 0.92, 1.1), k: rgb(3.9, 2.45, 2.1), alpha: 0.1)
+let all = [diffuse(0.8), metal, mirror(0.7), plastic(0.8, alpha: 0.1), principled(0.8, metallic: 0.5)]
+for i in 0..4 {
+    shape front = rectangle(x: (1.2 * i - 3.5)..(1.2 * i - 2.5), y: 0, z: 0.1..1, normal: -Y) with one_sided(all[i])
+    shape back = rectangle(x: (1.2 * i - 3.5)..(1.2 * i - 2.5), y: 0, z: -1..-0.1, normal: Y) with one_sided(all[i])
+}
+emitter front_lamp = rectangle(x: 2.5..3.5, y: 0, z: 0.1..1, normal: -Y) with radiance(0.5, over: one_sided(diffuse(0.5)))
+emitter back_lamp = rectangle(x: 2.5..3.5, y: 0, z: -1..-0.1, normal: Y) with radiance(0.5, over: one_sided(diffuse(0.5)))
+";
+
+fn black_from_behind(renderer: &str) {
+    if !there(renderer) {
+        return skip("one-sided surfaces", &format!("`ltsc renderers install {renderer}`"));
+    }
+    let folder = tempfile::tempdir().expect("a folder");
+    let (scene, out) = (folder.path().join("sides.lts"), folder.path().join("sides.exr"));
+    std::fs::write(&scene, SIDES).expect("a scene");
+    let ran = run(ltsc().arg("render").arg(&scene).args(["--renderer", renderer, "-o"]).arg(&out));
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let image = read(&out).expect("an image").0;
+    let scale = f64::from(64) / 2.0 / (10.0 * 20.0_f64.to_radians().tan());
+    // Pixels around a middle.
+    let at = |x: f64, z: f64| {
+        let (left, top) = ((31.0 + x * scale) as usize, (11.0 - z * scale) as usize);
+        (0..9).map(|nth| image.at(left + nth % 3, top + nth / 3)[1]).sum::<f32>() / 9.0
+    };
+    // Green of each in even light, where all renderers have the same: what a rough coat or a blend reflects is their own.
+    for (square, known) in [Some(0.8), Some(0.614), Some(0.7), None, None, Some(1.0)].into_iter().enumerate() {
+        let x = 1.2 * square as f64 - 3.0;
+        let (front, back) = (at(x, 0.55), at(x, -0.55));
+        assert!(back == 0.0 && front > 0.5, "{renderer}, {square}: {front} and {back}");
+        assert!(known.is_none_or(|known| (front - known).abs() < 0.03), "{renderer}, {square}: {front}");
+    }
+}
+
+#[test]
+fn one_sided_surfaces_are_black_from_behind() {
+    black_from_behind("mitsuba-3");
+    black_from_behind("luxcore");
+}
+
+#[test]
+#[ignore = "long: Cycles starts"]
+fn one_sided_surfaces_are_black_from_behind_in_cycles() {
+    black_from_behind("cycles");
+}
+
 /// What one renderer says otherwise than the others shows in the mean of a tile. Scenes are a name, a depth and what is in the room.
 fn agree_on(scenes: &[(&str, u32, &str)]) {
     for renderer in ["mitsuba-3", "luxcore", "cycles"] {

@@ -59,6 +59,8 @@ pub enum Feature {
     Principled,
     /// The same with a texture.
     TexturedPrincipled,
+    /// A surface that is black from behind.
+    OneSided,
     /// An emitter on a black diffuse surface.
     BlackEmitter,
     /// An emitter on a surface that also scatters light.
@@ -177,6 +179,7 @@ impl Feature {
         Self::TexturedPlastic,
         Self::Principled,
         Self::TexturedPrincipled,
+        Self::OneSided,
         Self::BlackEmitter,
         Self::ScatteringEmitter,
         Self::ColoredEmitter,
@@ -247,6 +250,7 @@ impl Feature {
             Self::TexturedPlastic => "plastic with a texture",
             Self::Principled => "a principled material",
             Self::TexturedPrincipled => "a principled material with a texture",
+            Self::OneSided => "a surface that is black from behind",
             Self::BlackEmitter => "an emitter on a black surface",
             Self::ScatteringEmitter => "an emitter on a surface that scatters light",
             Self::ColoredEmitter => "a colored emitter",
@@ -359,8 +363,9 @@ pub fn features(scene: &Scene) -> Vec<(Feature, Origin)> {
     } = scene;
     let mut asked = Asked::default();
     for (handle, material) in materials.iter() {
-        let Material { name: _, bsdf } = material;
+        let Material { name: _, bsdf, sides: _ } = material;
         ask_bsdf(&mut asked, bsdf, materials.origin(handle));
+        asked.add_if(material.is_one_sided(), Feature::OneSided, materials.origin(handle));
     }
     for (handle, mesh) in meshes.iter() {
         let Mesh { name: _, positions: _, normals, uvs, triangles: _ } = mesh;
@@ -712,7 +717,7 @@ mod tests {
         let file = sources.add("a.lts", "ab");
         let mut scene = sample::empty("s");
         for at in 0..2 {
-            let material = Material { name: "m".to_owned(), bsdf: sample::diffuse([0.5; 3]) };
+            let material = Material::new("m", sample::diffuse([0.5; 3]));
             scene.materials.push(material, Span::new(file, at, at + 1));
         }
         let found = features(&scene);

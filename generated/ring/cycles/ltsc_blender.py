@@ -204,6 +204,20 @@ def dielectric(interior, exterior, alpha):
     return surface
 
 
+def one_sided(front):
+    """`front` on the side of the normals, black from behind."""
+
+    def surface(nodes):
+        back = nodes.new("ShaderNodeBsdfDiffuse", Color=(0, 0, 0), Roughness=0)
+        backfacing = nodes.new("ShaderNodeNewGeometry").outputs["Backfacing"]
+        both = nodes.new("ShaderNodeMixShader", Fac=backfacing)
+        nodes.tree.links.new(front(nodes), both.inputs[1])
+        nodes.tree.links.new(back.outputs[0], both.inputs[2])
+        return both.outputs[0]
+
+    return surface
+
+
 def mirror(reflectance):
     def surface(nodes):
         node = nodes.new("ShaderNodeBsdfAnisotropic", Color=reflectance, Roughness=0)

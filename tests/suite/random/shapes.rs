@@ -290,8 +290,16 @@ fn ior(author: &mut Author) -> f64 {
     author.dice.pick(&[1.000_000_1, 1.0001, 1.01, 1.33, 1.5, 1.5, 2.0, 2.4, 4.0])
 }
 
-/// A material.
+/// A material; some are black from behind.
 pub fn material(author: &mut Author) -> String {
+    let front = scattering(author);
+    if author.dice.chance(0.15) && !front.starts_with("dielectric") {
+        return author.call(Material, "one_sided", &[("material", front)]);
+    }
+    front
+}
+
+fn scattering(author: &mut Author) -> String {
     match author.dice.at(6) {
         0 => {
             let reflectance = paint(author);

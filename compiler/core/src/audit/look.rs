@@ -149,14 +149,25 @@ pub fn said(model: &Model) -> Look {
     }
 }
 
+/// What a surface is from behind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Back {
+    /// The same as from the front.
+    Scatters,
+    /// Black.
+    Black,
+    /// One or the other: where the format lights no back of an emitter, or has no surfaces that are black from behind.
+    Either,
+}
+
 /// What is compared.
 pub struct Materials<'a> {
     /// By the scene.
     pub bsdf: &'a Bsdf,
     /// By the file.
     pub surface: &'a Surface,
-    /// Whether a surface may be clear from behind: where the format lights no back of an emitter.
-    pub one_sided: bool,
+    /// What a surface is to be from behind.
+    pub back: Back,
     /// Whether the format says of this material that it cannot be exact in what is seen of it: only its kind is compared.
     pub excused: bool,
     /// The factor of the material's image that is not in the image itself; 1 without one.
@@ -206,7 +217,7 @@ fn bounds(bsdf: &Bsdf, model: &Model) -> Rgb {
 }
 
 /// What differs between a material of the scene and that of a file, in words.
-pub fn difference(Materials { bsdf, surface, one_sided, excused, factor }: &Materials<'_>) -> Option<String> {
+pub fn difference(Materials { bsdf, surface, back, excused, factor }: &Materials<'_>) -> Option<String> {
     let model = &surface.model;
     let ceiling = match model {
         Model::Principled { base: _, metallic: _, alpha: _, specular: _, ceiling } => *ceiling,
@@ -221,8 +232,10 @@ pub fn difference(Materials { bsdf, surface, one_sided, excused, factor }: &Mate
     if clear(&asked) != clear(&said) {
         return Some(if clear(&said) { "lets light through" } else { "lets no light through" }.to_owned());
     }
-    if !clear(&asked) && !surface.two_sided && !one_sided {
-        return Some("scatters on one side only".to_owned());
+    match back {
+        Back::Scatters if !clear(&asked) && !surface.two_sided => return Some("scatters on one side only".to_owned()),
+        Back::Black if surface.two_sided => return Some("scatters on both sides".to_owned()),
+        Back::Scatters | Back::Black | Back::Either => {}
     }
     let near = |a: f64, b: f64| !off(a, b, TEXT * a.abs().max(1e-3));
     match (asked.alpha, said.alpha) {
@@ -288,7 +301,13 @@ mod tests {
     }
 
     fn differs(bsdf: &Bsdf, model: Model) -> Option<String> {
-        difference(&Materials { bsdf, surface: &surface(model), one_sided: false, excused: false, factor: [1.0; 3] })
+        difference(&Materials {
+            bsdf,
+            surface: &surface(model),
+            back: Back::Scatters,
+            excused: false,
+            factor: [1.0; 3],
+        })
     }
 
     #[test]
@@ -334,8 +353,13 @@ mod tests {
         let bsdf = Bsdf::Diffuse { reflectance: Color::Grey(0.3).into() };
         assert!(differs(&bsdf, Model::Diffuse { reflectance: Paint::Color([f64::NAN; 3]) }).is_some());
         let one = Surface { two_sided: false, ..surface(Model::Diffuse { reflectance: Paint::Color([0.3; 3]) }) };
-        let found =
-            difference(&Materials { bsdf: &bsdf, surface: &one, one_sided: false, excused: false, factor: [1.0; 3] });
+        let found = difference(&Materials {
+            bsdf: &bsdf,
+            surface: &one,
+            back: Back::Scatters,
+            excused: false,
+            factor: [1.0; 3],
+        });
         assert_eq!(found.as_deref(), Some("scatters on one side only"));
     }
 }

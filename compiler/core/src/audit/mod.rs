@@ -237,7 +237,7 @@ impl<'s> Asked<'s> {
     }
 
     fn material(&self, shape: &Shape) -> &'s Bsdf {
-        let Material { name: _, bsdf } = &self.scene.materials[shape.material];
+        let Material { name: _, bsdf, sides: _ } = &self.scene.materials[shape.material];
         bsdf
     }
 }

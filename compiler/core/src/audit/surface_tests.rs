@@ -1,7 +1,7 @@
 //! Surfaces, materials and meshes: each comparison has a change that it alone sees.
 
 use super::comparison_tests::{MORE, Row, each, found};
-use super::look::{self, Materials};
+use super::look::{self, Back, Materials};
 use super::tests::{audited, said, written};
 use super::*;
 use crate::formats::shared::reading::{Emitted, Fresnel, Inside, Item, Model, Paint, Surface, Use};
@@ -246,24 +246,27 @@ fn every_number_of_every_material() {
         ),
     ];
     for (bsdf, model, changes) in pairs {
-        let differs = |model: Model, two_sided, one_sided, excused| {
+        let differs = |model: Model, two_sided, back, excused| {
             let surface = Surface { name: String::new(), model, two_sided };
             let factor = [1.0; 3];
-            look::difference(&Materials { bsdf: &bsdf, surface: &surface, one_sided, excused, factor })
+            look::difference(&Materials { bsdf: &bsdf, surface: &surface, back, excused, factor })
         };
-        assert_eq!(differs(model.clone(), true, false, false), None, "{bsdf:?}");
+        assert_eq!(differs(model.clone(), true, Back::Scatters, false), None, "{bsdf:?}");
         let clear = matches!(model, Model::Dielectric { .. });
         let one = (!clear).then_some("scatters on one side only");
-        assert_eq!(differs(model.clone(), false, false, false).as_deref(), one, "{bsdf:?}");
-        assert_eq!(differs(model.clone(), false, true, false), None, "{bsdf:?}");
+        assert_eq!(differs(model.clone(), false, Back::Scatters, false).as_deref(), one, "{bsdf:?}");
+        assert_eq!(differs(model.clone(), false, Back::Either, false), None, "{bsdf:?}");
+        let both = Some("scatters on both sides");
+        assert_eq!(differs(model.clone(), true, Back::Black, false).as_deref(), both, "{bsdf:?}");
+        assert_eq!(differs(model.clone(), false, Back::Black, false), None, "{bsdf:?}");
         for (change, words) in changes {
             let mut other = model.clone();
             change(&mut other);
-            let what = differs(other.clone(), true, false, false);
+            let what = differs(other.clone(), true, Back::Scatters, false);
             assert!(what.as_ref().is_some_and(|what| what.contains(words)), "`{words}`, {bsdf:?}, {other:?}: {what:?}");
             // What is excused is the amount, never the kind.
             let amount = ["reflects", "is metal", "relative index"].iter().any(|word| words.contains(word));
-            assert_eq!(differs(other, true, false, true).is_none(), amount, "{words}, {bsdf:?}");
+            assert_eq!(differs(other, true, Back::Scatters, true).is_none(), amount, "{words}, {bsdf:?}");
         }
     }
 }
@@ -307,7 +310,7 @@ fn a_reflectance_is_compared_at_each_angle() {
         let model = Model::Conductor { fresnel, tint: Paint::WHITE, alpha: 0.0 };
         let surface = Surface { name: String::new(), model, two_sided: true };
         let materials =
-            Materials { bsdf: &bsdf, surface: &surface, one_sided: false, excused: false, factor: [1.0; 3] };
+            Materials { bsdf: &bsdf, surface: &surface, back: Back::Scatters, excused: false, factor: [1.0; 3] };
         let what = look::difference(&materials);
         match degrees {
             None => assert_eq!(what, None),

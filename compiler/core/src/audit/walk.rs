@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use super::look::{self, Materials, off};
+use super::look::{self, Back, Materials, off};
 use super::measure::{Pair, area_factor, difference};
 use super::vertices::{self, PLACE, Placed, same_place};
 use super::{Asked, Audit, Found, Lost, Measure, Meshes, emits, inexact, measured, unsupported};
@@ -209,12 +209,12 @@ impl<'w> Walk<'w, '_, '_> {
         };
         let mixed = self.reading.materials.iter().any(|surface| whole(&surface.model));
         for (surface, _) in self.reading.materials.iter().zip(used).filter(|(_, used)| !used && !mixed) {
-            let known = self.asked.scene.materials.values().any(|Material { name: _, bsdf }| {
+            let known = self.asked.scene.materials.values().any(|Material { name: _, bsdf, sides: _ }| {
                 let capped = if self.reading.capped { capped(bsdf) } else { None };
                 let bsdf = capped.as_ref().unwrap_or(bsdf);
                 let excused = self.excused(bsdf, &surface.model);
                 let factor = self.factor_beside(bsdf);
-                look::difference(&Materials { bsdf, surface, one_sided: true, excused, factor }).is_none()
+                look::difference(&Materials { bsdf, surface, back: Back::Either, excused, factor }).is_none()
                     && self.image_differs(bsdf, &surface.model).is_none()
             });
             if !known {
@@ -416,9 +416,16 @@ impl<'w> Walk<'w, '_, '_> {
         };
         let bsdf = capped.as_ref().unwrap_or_else(|| self.asked.material(shape));
         // Where an emitter is not drawn from behind, that is said of it.
-        let one_sided = emits && inexact(&(self.target.supports)(Feature::BlackEmitter));
+        let unlit = emits && inexact(&(self.target.supports)(Feature::BlackEmitter));
+        let front = self.asked.scene.materials[shape.material].is_one_sided();
+        let back = match front {
+            _ if unlit => Back::Either,
+            false => Back::Scatters,
+            true if inexact(&(self.target.supports)(Feature::OneSided)) => Back::Either,
+            true => Back::Black,
+        };
         let excused = self.excused(bsdf, &surface.model);
-        let what = look::difference(&Materials { bsdf, surface, one_sided, excused, factor: self.factor_beside(bsdf) });
+        let what = look::difference(&Materials { bsdf, surface, back, excused, factor: self.factor_beside(bsdf) });
         let what = what.or_else(|| self.image_differs(bsdf, &surface.model));
         if let Some(what) = what {
             let also = if surface.name.is_empty() || surface.name == *name {

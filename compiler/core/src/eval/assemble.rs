@@ -307,7 +307,7 @@ impl Builder {
         }
         let name = material.name.clone().unwrap_or_else(|| shape.to_owned());
         let materials = &mut self.materials;
-        let made = Material { name, bsdf: material.bsdf.clone() };
+        let made = Material { name, bsdf: material.bsdf.clone(), sides: material.sides };
         let handle =
             *self.equal_materials.entry(format!("{made:?}")).or_insert_with(|| materials.push(made, material.span));
         self.known_materials.insert(key, (handle, Rc::clone(material)));
@@ -318,7 +318,7 @@ impl Builder {
     fn black(&mut self, span: Span) -> Handle<Material> {
         let materials = &mut self.materials;
         let bsdf = Bsdf::Diffuse { reflectance: Color::BLACK.into() };
-        *self.black.get_or_insert_with(|| materials.push(Material { name: "black".to_owned(), bsdf }, span))
+        *self.black.get_or_insert_with(|| materials.push(Material::new("black", bsdf), span))
     }
 }
 

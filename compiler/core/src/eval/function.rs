@@ -506,7 +506,7 @@ impl Interpreter<'_> {
             (Kind::Material, Value::Material(material)) => {
                 // Equal calls make one material: it is known by the function's name.
                 let name = Some(function.name.clone());
-                Ok(Value::Material(Rc::new(MaterialValue { name, bsdf: material.bsdf.clone(), span: call })))
+                Ok(Value::Material(Rc::new(MaterialValue { name, span: call, ..(*material).clone() })))
             }
             (Kind::Material | Kind::Mesh | Kind::Texture, value)
                 if !matches!(

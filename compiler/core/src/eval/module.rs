@@ -613,7 +613,7 @@ impl Interpreter<'_> {
         let evaluated = self.eval(scope, value, family).and_then(|found| match (kind, found) {
             (Kind::Material, Value::Material(material)) => {
                 let own = name.map(|name| name.text.clone());
-                Ok(Value::Material(Rc::new(MaterialValue { name: own, bsdf: material.bsdf.clone(), span: value.span })))
+                Ok(Value::Material(Rc::new(MaterialValue { name: own, span: value.span, ..(*material).clone() })))
             }
             (Kind::Mesh, Value::Mesh(mesh)) => Ok(Value::Mesh(items::rename(mesh, name))),
             (Kind::Group, Value::Group(group)) => Ok(Value::Group(group)),

@@ -4,7 +4,7 @@ use std::rc::Rc;
 
 use crate::diag::Span;
 use crate::ir::{
-    Affine, Bsdf, Color, Film, Filter, Handle, Integrator, LightKind, Mesh, Places, Sampler, Texture, Vec3,
+    Affine, Bsdf, Color, Film, Filter, Handle, Integrator, LightKind, Mesh, Places, Sampler, Sides, Texture, Vec3,
 };
 
 use super::work::List;
@@ -46,6 +46,7 @@ pub(super) enum Value {
 pub(super) struct MaterialValue {
     pub name: Option<String>,
     pub bsdf: Bsdf,
+    pub sides: Sides,
     pub span: Span,
 }
 

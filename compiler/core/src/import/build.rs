@@ -9,7 +9,7 @@ use crate::image::write::Depth;
 use crate::image::{self, Loaded, Loss, Pixels};
 use crate::ir::{
     Affine, Arena, Bsdf, Camera, Color, Documentation, Emission, Encoding, Film, Filter, Group, Handle, Instance,
-    Integrator, LightKind, LightSource, Material, Mesh, Places, Sampler, Scene, Shape, Texture,
+    Integrator, LightKind, LightSource, Material, Mesh, Places, Sampler, Scene, Shape, Sides, Texture,
 };
 use crate::mesh::{self, Geometry, file as mesh_file};
 
@@ -252,8 +252,10 @@ impl Builder {
     }
 
     /// A material, once for each name and meaning.
-    pub fn material(&mut self, name: &str, bsdf: Bsdf, at: &Origin) -> Handle<Material> {
-        let made = Material { name: plain(name), bsdf };
+    pub fn material(&mut self, name: &str, bsdf: Bsdf, sides: Sides, at: &Origin) -> Handle<Material> {
+        // What is clear or black is the same from behind.
+        let sides = if bsdf.is_clear() || bsdf.is_black() { Sides::Both } else { sides };
+        let made = Material { name: plain(name), bsdf, sides };
         let materials = &mut self.materials;
         *self.equal_materials.entry(format!("{made:?}")).or_insert_with(|| materials.push(made, at.clone()))
     }

@@ -9,10 +9,27 @@ pub struct Material {
     pub name: String,
     /// What it does.
     pub bsdf: Bsdf,
+    /// On which sides of a surface it does it.
+    pub sides: Sides,
+}
+
+/// The sides of a surface on which its material scatters light; a dielectric has no sides.
+///
+/// | | Mitsuba | PBRT | LuxCore | Cycles | glTF |
+/// |---|---|---|---|---|---|
+/// | `Both` | within `twosided` | the material | the material | the shader | `doubleSided` |
+/// | `Front` | without it | cannot be said | `twosided`, a black `backmaterial` | mixed with black by `Backfacing` | no `doubleSided`: not seen at all |
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Sides {
+    /// On both alike.
+    #[default]
+    Both,
+    /// On the side of the normals; from behind the surface is black, and lets no light through.
+    Front,
 }
 
 /// Scattering functions: four basic ones, which renderers share, and two that each renderer has in a way of its own. All but the
-/// dielectric scatter on both sides alike.
+/// dielectric scatter on both sides alike, unless the material says otherwise ([`Sides`]).
 ///
 /// | | Mitsuba | PBRT v3 | PBRT v4 | LuxCore | glTF |
 /// |---|---|---|---|---|---|
@@ -77,6 +94,18 @@ pub enum Bsdf {
     },
 }
 
+impl Material {
+    /// A material that scatters on both sides.
+    pub fn new(name: impl Into<String>, bsdf: Bsdf) -> Self {
+        Self { name: name.into(), bsdf, sides: Sides::Both }
+    }
+
+    /// Whether it is black where a surface is seen from behind, and not from the front.
+    pub fn is_one_sided(&self) -> bool {
+        self.sides == Sides::Front && !self.bsdf.is_clear() && !self.bsdf.is_black()
+    }
+}
+
 impl Bsdf {
     /// The name of its constructor in scenes.
     pub fn word(&self) -> &'static str {
@@ -114,6 +143,11 @@ impl Bsdf {
             | Self::Plastic { reflectance: _, ior: _, alpha: _ }
             | Self::Principled { base: _, metallic: _, roughness: _, ior: _ } => false,
         }
+    }
+
+    /// Whether it lets light through.
+    pub fn is_clear(&self) -> bool {
+        matches!(self, Self::Dielectric { interior: _, exterior: _, alpha: _ })
     }
 
     /// The color that may be a texture.

@@ -48,7 +48,7 @@ pub use doc::{Documentation, ParameterValue, Similar};
 pub use group::{GROUP_DEPTH, Group, INSTANCE_LIMIT, Instance, Places};
 pub use light::{LightKind, LightSource};
 pub use light_paths::{LightExtent, LightPathError, LightPaths};
-pub use material::{Bsdf, Material};
+pub use material::{Bsdf, Material, Sides};
 pub use mesh::Mesh;
 pub use settings::{Film, Filter, Integrator, Sampler};
 pub use shape::{Emission, Shape};

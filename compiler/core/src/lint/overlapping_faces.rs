@@ -103,7 +103,10 @@ fn alike(subject: &Subject<'_>, uses: [&Placed<'_>; 2]) -> bool {
     let materials = &subject.scene.materials;
     let [a, b] = uses.map(|placed| placed.shape.material);
     let known = |at: usize| at < materials.len();
-    known(a.index()) && known(b.index()) && materials[a].bsdf == materials[b].bsdf
+    known(a.index())
+        && known(b.index())
+        && materials[a].bsdf == materials[b].bsdf
+        && materials[a].sides == materials[b].sides
 }
 
 /// Whether light can reach a place where two uses look the same way: it does not lie within a closed opaque body, nor against a wall.

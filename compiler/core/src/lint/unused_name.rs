@@ -91,7 +91,7 @@ mod tests {
         assert_eq!(unused(&scene), []);
         let origin = Origin::File { path: "room.xml".to_owned(), place: "line 7".to_owned() };
         let bsdf = Bsdf::Diffuse { reflectance: Color::Grey(0.5).into() };
-        scene.materials.push(crate::ir::Material { name: "chrome".to_owned(), bsdf }, origin.clone());
+        scene.materials.push(crate::ir::Material::new("chrome", bsdf), origin.clone());
         let mesh = scene.meshes.values().next().expect("a mesh").clone();
         scene.meshes.push(crate::ir::Mesh { name: "bunny".to_owned(), ..mesh }, origin.clone());
         scene.groups.push(Group { name: "herd".to_owned(), ..Group::default() }, origin.clone());

@@ -57,7 +57,7 @@ fn merged_textures(
         .map(|(at, one)| all[..at].iter().position(|other| equal(one, other)).unwrap_or(at))
         .collect();
     let mut used = vec![false; all.len()];
-    for Material { name: _, bsdf } in materials.values() {
+    for Material { name: _, bsdf, sides: _ } in materials.values() {
         if let Some(texture) = bsdf.texture() {
             used[same[texture.index()]] = true;
         }
@@ -66,7 +66,7 @@ fn merged_textures(
         used[same[texture.index()]] = true;
     }
     let (textures, handles) = kept(old, &used);
-    for (_, Material { name: _, bsdf }) in materials.iter_mut() {
+    for (_, Material { name: _, bsdf, sides: _ }) in materials.iter_mut() {
         if let Some(new) = bsdf.texture().and_then(|texture| handles[same[texture.index()]]) {
             *bsdf = bsdf.with_texture(new);
         }

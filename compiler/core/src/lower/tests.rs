@@ -32,7 +32,7 @@ fn cube() -> Geometry {
 
 fn material(scene: &mut Scene, name: &str) -> Handle<Material> {
     let bsdf = Bsdf::Diffuse { reflectance: Color::Grey(0.5).into() };
-    scene.materials.push(Material { name: name.to_owned(), bsdf }, Origin::Made)
+    scene.materials.push(Material::new(name, bsdf), Origin::Made)
 }
 
 fn place(scene: &mut Scene, mesh: Handle<Mesh>, transform: Affine) {
@@ -427,7 +427,7 @@ fn equal_textures_become_one_and_unused_ones_go() {
     let shape = shape.clone();
     for texture in [first, same, linear, scaled] {
         let bsdf = Bsdf::Diffuse { reflectance: ColorOrTexture::Texture(texture) };
-        let material = scene.materials.push(Material { name: "m".to_owned(), bsdf }, Origin::Made);
+        let material = scene.materials.push(Material::new("m", bsdf), Origin::Made);
         let name = format!("shape {}", texture.index());
         scene.shapes.push(Shape { name, material, ..shape.clone() }, Origin::Made);
     }

@@ -144,6 +144,7 @@ impl Pairs<'_> {
     fn materials(&mut self, one: Handle<Material>, other: Handle<Material>) -> Equal {
         let (a, b) = (&self.one.materials[one], &self.other.materials[other]);
         same("material", &a.name, &b.name)?;
+        same("sides", &a.sides, &b.sides)?;
         match (a.bsdf.texture(), b.bsdf.texture()) {
             (Some(image), Some(other_image)) => {
                 self.textures(image, other_image)?;

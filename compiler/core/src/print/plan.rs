@@ -312,7 +312,7 @@ pub(super) fn lost_instance(instance: &Instance, below: usize) -> Option<&'stati
 
 /// Whether it is the surface of emitters that say nothing else.
 pub(super) fn is_usual(material: &Material) -> bool {
-    let Material { name, bsdf } = material;
+    let Material { name, bsdf, sides: _ } = material;
     let black = matches!(bsdf, Bsdf::Diffuse { reflectance: ColorOrTexture::Color(Color::Grey(0.0)) });
     black && name == "black"
 }

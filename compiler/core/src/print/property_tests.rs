@@ -10,8 +10,8 @@ use crate::diag::{Origin, Sources};
 use crate::image::{self, Loaded, Pixels};
 use crate::ir::{
     Affine, Arena, Bsdf, Camera, Color, ColorOrTexture, Documentation, Emission, Encoding, Film, Filter, Group, Handle,
-    Instance, Integrator, LightKind, LightSource, Material, Meaning, Mesh, Places, Sampler, Scene, Shape, Similar,
-    Spectrum, Texture, Vec3, normalized,
+    Instance, Integrator, LightKind, LightSource, Material, Meaning, Mesh, Places, Sampler, Scene, Shape, Sides,
+    Similar, Spectrum, Texture, Vec3, normalized,
 };
 use crate::mesh::{Axis, Extent, Geometry, SignedAxis, boxed, cylinder, disk, rectangle, sphere};
 
@@ -183,6 +183,12 @@ impl Dice<'_> {
         }
     }
 
+    fn material(&mut self, name: String, textures: &[Handle<Texture>]) -> Material {
+        let made = Material::new(name, self.bsdf(textures));
+        let sides = if self.below(4) == 0 && !made.bsdf.is_clear() { Sides::Front } else { Sides::Both };
+        Material { sides, ..made }
+    }
+
     fn light(&mut self, sky: Option<Handle<Texture>>) -> LightKind {
         let strength = self.color(Meaning::Light, 40.0);
         match (self.below(3), sky) {
@@ -283,11 +289,12 @@ impl Dice<'_> {
             })
             .collect();
         for at in 0..1 + self.below(3) {
-            let material = Material { name: self.name("paint", at), bsdf: self.bsdf(&images) };
+            let name = self.name("paint", at);
+            let material = self.material(name, &images);
             materials.push(material, made.clone());
         }
         let black = Bsdf::Diffuse { reflectance: Color::BLACK.into() };
-        materials.push(Material { name: "black".to_owned(), bsdf: black }, made.clone());
+        materials.push(Material::new("black", black), made.clone());
         let mut groups = Arena::default();
         for at in 0..self.below(3) {
             let (shapes, instances) = (self.shapes(&meshes, &materials), self.instances(&groups));

@@ -3,7 +3,7 @@
 use super::notes::Notes;
 use super::number::{number, string};
 use crate::diag::Origin;
-use crate::ir::{Bsdf, Color, ColorOrTexture, Encoding, Meaning, Spectrum, Texture};
+use crate::ir::{Bsdf, Color, ColorOrTexture, Encoding, Material, Meaning, Sides, Spectrum, Texture};
 
 /// The number above 0 that is nearest to it, for what must be greater.
 const LEAST: f64 = f64::MIN_POSITIVE;
@@ -56,8 +56,7 @@ fn values(notes: &mut Notes, spectrum: &Spectrum, place: &Place<'_>) -> String {
 /// A material's call; `texture` writes that of an image.
 pub(super) fn material(
     notes: &mut Notes,
-    name: &str,
-    bsdf: &Bsdf,
+    Material { name, bsdf, sides }: &Material,
     at: &Origin,
     texture: &dyn Fn(crate::ir::Handle<Texture>) -> String,
 ) -> String {
@@ -103,7 +102,11 @@ pub(super) fn material(
             words.extend(unless("ior", notes.within(at, &what("ior"), *ior, 1.0_f64.next_up(), f64::MAX), 1.5));
         }
     }
-    format!("{}({})", bsdf.word(), words.join(", "))
+    let call = format!("{}({})", bsdf.word(), words.join(", "));
+    match sides {
+        Sides::Both => call,
+        Sides::Front => format!("one_sided({call})"),
+    }
 }
 
 /// An argument, unless it is what the constructor takes by itself.

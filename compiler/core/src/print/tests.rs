@@ -212,7 +212,7 @@ fn names_that_are_taken_or_cannot_be_written_are_told() {
 fn a_mesh_and_a_material_of_one_name_are_told_apart() {
     let text = with("mesh stone = box(size: 1)\nshape one = stone with mirror()\nshape two = stone with mirror()");
     let mut scene = of(&text);
-    let made = Material { name: "stone".to_owned(), bsdf: Bsdf::Mirror { reflectance: Color::Grey(1.0) } };
+    let made = Material::new("stone", Bsdf::Mirror { reflectance: Color::Grey(1.0) });
     let handle = scene.materials.push(made, crate::diag::Origin::Made);
     scene.shapes.iter_mut().filter(|(_, shape)| shape.name.len() == 3).for_each(|(_, shape)| shape.material = handle);
     let printed = print(&scene, &Options::default());

@@ -124,7 +124,7 @@ impl<'s> Writer<'s> {
     fn material(&mut self, made: &Material, origin: &Origin) -> String {
         let textures = &self.textures;
         let image = |texture: Handle<Texture>| textures[texture.index()].clone();
-        material(&mut self.notes, &made.name, &made.bsdf, origin, &image)
+        material(&mut self.notes, made, origin, &image)
     }
 
     fn meshes(&self) -> String {

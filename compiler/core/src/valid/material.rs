@@ -1,13 +1,18 @@
 //! Materials: parameters in the ranges that [`Bsdf`] documents.
 
 use crate::diag::{Finding, Origin};
-use crate::ir::{Bsdf, Color, Material, Scene};
+use crate::ir::{Bsdf, Color, Material, Scene, Sides};
 
 use super::fits;
 
 pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
-    for (handle, Material { name, bsdf }) in scene.materials.iter() {
+    for (handle, Material { name, bsdf, sides }) in scene.materials.iter() {
         let mut checker = Checker { name, origin: scene.materials.origin(handle), findings };
+        if *sides == Sides::Front && bsdf.is_clear() {
+            let message =
+                format!("the material `{name}` is a dielectric, which has no sides, and scatters on one side only");
+            checker.findings.push(Finding::error("invalid-scene", checker.origin.clone(), message));
+        }
         match bsdf {
             Bsdf::Diffuse { reflectance } => {
                 // What a texture holds is for the renderer to read.

@@ -15,7 +15,7 @@ fn good() -> Scene {
     let at = |place: &str| Origin::File { path: "a".to_owned(), place: place.to_owned() };
     let mesh = meshes.push(boxed([0.0; 3], [1.0; 3]).expect("a good box").into_mesh("cube"), at("mesh"));
     let bsdf = Bsdf::Diffuse { reflectance: Color::Grey(1.0).into() };
-    let material = materials.push(Material { name: "white".to_owned(), bsdf }, at("material"));
+    let material = materials.push(Material::new("white", bsdf), at("material"));
     for emission in [None, Some(Emission { radiance: Color::Grey(3.0) })] {
         // A shape and an emitter may share a name.
         let transform = Affine::IDENTITY;

@@ -6,7 +6,7 @@ use std::rc::Rc;
 use crate::diag::{Finding, Severity};
 use crate::files::{Bytes, VPath};
 use crate::image::{self, Loaded};
-use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Encoding, Handle, Places, Texture};
+use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Encoding, Handle, Places, Sides, Texture};
 use crate::mesh::Geometry;
 use crate::mesh::file::{Model, NAMELESS, Part, Picture, Scatter, Surface, read_parts};
 
@@ -61,7 +61,7 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
         .map(|(surface, texture)| {
             let (bsdf, _) = bsdf(&surface.scatter, Some(texture?));
             let name = (!surface.name.is_empty()).then(|| surface.name.clone());
-            bsdf.texture().map(|_| Rc::new(MaterialValue { name, bsdf, span }))
+            bsdf.texture().map(|_| Rc::new(MaterialValue { name, bsdf, sides: Sides::Both, span }))
         })
         .collect();
     let material = |surface: &Surface| {
@@ -69,13 +69,14 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
         let material = Rc::new(MaterialValue {
             name: (!name.is_empty()).then(|| name.clone()),
             bsdf: bsdf(scatter, None).0,
+            sides: Sides::Both,
             span,
         });
         (material, emission.map(color))
     };
     let materials: Vec<_> = surfaces.iter().map(material).collect();
     let grey = Bsdf::Diffuse { reflectance: Color::Grey(GREY).into() };
-    let grey = Rc::new(MaterialValue { name: Some("grey".to_owned()), bsdf: grey, span });
+    let grey = Rc::new(MaterialValue { name: Some("grey".to_owned()), bsdf: grey, sides: Sides::Both, span });
     // A mesh without a name takes that of its first part.
     let mut first = vec![""; meshes.len()];
     for part in parts.iter().rev() {

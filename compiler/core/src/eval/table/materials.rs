@@ -2,7 +2,7 @@
 
 use std::rc::Rc;
 
-use crate::ir::{Bsdf, Color, ColorOrTexture, Meaning, Spectrum};
+use crate::ir::{Bsdf, Color, ColorOrTexture, Meaning, Sides, Spectrum};
 
 use super::super::value::{EmissionValue, MaterialValue, Ty, Value};
 use super::meshes::points;
@@ -148,6 +148,29 @@ pub(super) const ROWS: &[Constructor] = &[
         },
     },
     Constructor {
+        family: Family::Material,
+        name: "one_sided",
+        summary: "A material that scatters light on the side of the normals only: from behind the surface is black.",
+        params: &[Parameter {
+            name: "material",
+            ty: Ty::Material,
+            default: None,
+            doc: "what the front is made of; no dielectric, which has no sides",
+        }],
+        positional: 1,
+        example: "material paper = one_sided(diffuse(0.8))",
+        build: |args, site| {
+            let Some(Value::Material(front)) = args.get("material") else {
+                return material(site, Bsdf::Diffuse { reflectance: Color::BLACK.into() });
+            };
+            if front.bsdf.is_clear() {
+                return Err(Problem::new("material", "a dielectric has no sides: light goes through it"));
+            }
+            let front = MaterialValue { name: None, sides: Sides::Front, span: site.span, ..(**front).clone() };
+            Ok(Value::Material(Rc::new(front)))
+        },
+    },
+    Constructor {
         family: Family::Emission,
         name: "radiance",
         summary: "Diffuse emission along the normals, the same over the whole surface.",
@@ -259,7 +282,7 @@ fn decode(code: u8) -> f64 {
 }
 
 fn material(site: &Site<'_>, bsdf: Bsdf) -> Result<Value, Problem> {
-    Ok(Value::Material(Rc::new(MaterialValue { name: None, bsdf, span: site.span })))
+    Ok(Value::Material(Rc::new(MaterialValue { name: None, bsdf, sides: Sides::Both, span: site.span })))
 }
 
 /// A reflectance: from 0 on; more than 1 is left to a finding of its own, since the scene is still meaningful.

@@ -274,7 +274,21 @@ impl Reader {
             "material" => {
                 let arguments = Arguments::new(call, &["name", "surface"]);
                 let name = arguments.text("name", to).to_owned();
+                let mut two_sided = true;
                 let model = match arguments.get("surface") {
+                    Some(Value::Call(outer)) if outer.name == "one_sided" => {
+                        two_sided = false;
+                        let inner = Arguments::new(outer, &["front"]);
+                        let model = match inner.get("front") {
+                            Some(Value::Call(surface)) => self.surface(surface, to),
+                            Some(Value::Number(_) | Value::Bool(_) | Value::Text(_) | Value::Tuple(_)) | None => {
+                                to.say(SYNTAX, outer.at, "the front has no surface");
+                                Model::Diffuse { reflectance: Paint::BLACK }
+                            }
+                        };
+                        inner.finish(to);
+                        model
+                    }
                     Some(Value::Call(surface)) => self.surface(surface, to),
                     Some(Value::Number(_) | Value::Bool(_) | Value::Text(_) | Value::Tuple(_)) | None => {
                         to.say(SYNTAX, call.at, "the material has no surface");
@@ -282,7 +296,7 @@ impl Reader {
                     }
                 };
                 self.materials.insert(name.clone(), self.reading.materials.len());
-                self.reading.materials.push(Surface { name, model, two_sided: true });
+                self.reading.materials.push(Surface { name, model, two_sided });
                 arguments
             }
             "mesh" => {

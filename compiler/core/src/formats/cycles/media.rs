@@ -36,7 +36,7 @@ pub fn bound(scene: &Scene) -> Option<Bound> {
         if let Some(Emission { radiance: _ }) = emission {
             lights.extend(survey.triangles(placed).next().map(middle));
         }
-        let Material { name: _, bsdf } = &scene.materials[*material];
+        let Material { name: _, bsdf, sides: _ } = &scene.materials[*material];
         match bsdf {
             Bsdf::Dielectric { interior, exterior, alpha: _ } => {
                 let change = libm::log(interior / exterior);

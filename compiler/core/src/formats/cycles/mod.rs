@@ -71,6 +71,7 @@ fn supports(feature: Feature) -> Support {
         | Feature::IndirectLight
         | Feature::SobolSampler
         | Feature::SobolForLightPaths
+        | Feature::OneSided
         | Feature::Seed => Exact,
         Feature::EnvironmentImage => Support::approximate(
             "Cycles mixes the rows of an environment's image at its two edges with each other",

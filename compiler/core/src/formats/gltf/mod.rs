@@ -124,6 +124,10 @@ fn supports(feature: Feature) -> Support {
             "glTF's coat does not darken its base: what is seen of the base is written, of a texture by the factor of a grey of 0.5",
             "for a texture and an index of 1.5 seen 0.115 instead of 0.092 for a base of 0.2, 0.46 instead of 0.62 for 0.8 (computed)",
         ),
+        Feature::OneSided => Support::approximate(
+            "glTF leaves out the back of a material without `doubleSided`, so that what lies behind it is seen (glTF 2.0, 3.9.5)",
+            "none where no path meets the back of the surface",
+        ),
         Feature::Principled | Feature::TexturedPrincipled => Support::approximate(
             "the base of glTF's metallic-roughness material is Lambertian (glTF 2.0, appendix B)",
             "Burley's base is up to 2 roughness / 3 brighter or darker at grazing angles; viewers vary",

@@ -15,7 +15,7 @@ use crate::formats::shared::text::{self, Head, Line, Quoted};
 use crate::formats::{self, Emission};
 use crate::ir::{
     Affine, Bsdf, Camera, Color, ColorOrTexture, Emission as Light, Encoding, Film, Filter, Instance, Integrator,
-    LightKind, LightSource, Material, Sampler, Scene, Shape, Texture,
+    LightKind, LightSource, Material, Sampler, Scene, Shape, Sides, Texture,
 };
 
 /// Writes all files of the target.
@@ -139,9 +139,8 @@ fn description(emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
         texture(item, id, &path, out)?;
     }
     for (item, id) in scene.materials.values().zip(&materials) {
-        let Material { name, bsdf } = item;
-        comment(name, id, out)?;
-        material(bsdf, id, &textures, out)?;
+        comment(&item.name, id, out)?;
+        sided(item, id, &mut words, &textures, out)?;
     }
     // Emitting variants of a material are named after the first shape that has them.
     let mut variants: BTreeMap<Surface, String> = BTreeMap::new();
@@ -153,7 +152,7 @@ fn description(emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
             continue;
         }
         let id = words.assign(std::iter::once(name.as_str())).concat();
-        material(&scene.materials[*base].bsdf, &id, &textures, out)?;
+        sided(&scene.materials[*base], &id, &mut words, &textures, out)?;
         emission_of(radiance, &id, out)?;
         variants.insert(surface, id);
     }
@@ -235,6 +234,27 @@ fn paint(value: &ColorOrTexture, textures: &[String]) -> String {
         ColorOrTexture::Color(color) => rgb(color),
         ColorOrTexture::Texture(texture) => format!("\"{}\"", textures[texture.index()]),
     }
+}
+
+/// A material under an id. One that is black from behind is made of two others.
+fn sided(
+    Material { name: _, bsdf, sides }: &Material,
+    id: &str,
+    words: &mut Words,
+    textures: &[String],
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    if *sides == Sides::Both || bsdf.is_clear() {
+        return material(bsdf, id, textures, out);
+    }
+    let [front, back] =
+        ["front", "back"].map(|side| words.assign(std::iter::once(format!("{id}_{side}").as_str())).concat());
+    material(bsdf, &front, textures, out)?;
+    material(&Bsdf::Diffuse { reflectance: Color::BLACK.into() }, &back, textures, out)?;
+    let mut put = |name: &str, value: &str| set(out, &format!("scene.materials.{id}.{name}"), value);
+    put("type", "\"twosided\"")?;
+    put("frontmaterial", &format!("\"{front}\""))?;
+    put("backmaterial", &format!("\"{back}\""))
 }
 
 fn material(bsdf: &Bsdf, id: &str, textures: &[String], out: &mut dyn Write) -> io::Result<()> {

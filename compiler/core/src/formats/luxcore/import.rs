@@ -9,8 +9,8 @@ use super::statements::{self, DEFAULT_SIZE};
 use crate::files::VPath;
 use crate::formats::shared::number::count;
 use crate::formats::shared::reading::{
-    Clip, Emitted, Front, Item, Light, MeshPlace, MeshSource, Paint, Part, Reading, Replaced, Surface, Use, View,
-    turned,
+    Clip, Emitted, Front, Item, Light, MeshPlace, MeshSource, Model, Paint, Part, Reading, Replaced, Surface, Use,
+    View, turned,
 };
 use crate::formats::shared::source::{self, REFERENCE, SYNTAX, Source, Text, UNKNOWN, number, shown};
 use crate::ir::{Affine, Filter, Vec3, cross, normalized, sub};
@@ -252,11 +252,28 @@ fn description(text: Text<'_>, source: &mut Source<'_>, reading: &mut Reading) {
         curve(to);
     }
     let mut emissions: Vec<Option<Emitted>> = Vec::new();
-    for thing in &materials.all {
-        let model = scatter::model(thing, &textures, to);
+    let mut sides = Vec::new();
+    for (at, thing) in materials.all.iter().enumerate() {
+        let one_sided = thing.string("type", to) == Some("twosided");
+        let model = if one_sided {
+            sides.push((at, scatter::sides(thing, &materials, to)));
+            Model::Diffuse { reflectance: Paint::BLACK }
+        } else {
+            scatter::model(thing, &textures, to)
+        };
         emissions.push(scatter::emission(thing, to));
         thing.finish(to);
-        reading.materials.push(Surface { name: thing.id.to_owned(), model, two_sided: true });
+        reading.materials.push(Surface { name: thing.id.to_owned(), model, two_sided: !one_sided });
+    }
+    for (at, sides) in sides {
+        let Some([front, back]) = sides else { continue };
+        if !matches!(&reading.materials[back].model, Model::Diffuse { reflectance: Paint::Color([0.0, 0.0, 0.0]) }) {
+            to.say(SYNTAX, materials.all[at].place("backmaterial"), "a back that is not black is not read");
+        }
+        reading.materials[at].model = reading.materials[front].model.clone();
+        // They are parts of it, and stand for nothing else.
+        reading.materials[back] =
+            Surface { name: reading.materials[back].name.clone(), ..reading.materials[at].clone() };
     }
     textures.all.iter().for_each(|thing| thing.finish(to));
     let mut sources: Vec<Option<usize>> = Vec::new();

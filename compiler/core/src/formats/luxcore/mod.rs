@@ -41,6 +41,7 @@ fn supports(feature: Feature) -> Support {
         | Feature::ThinnerInside
         | Feature::Mirror
         | Feature::DimMirror
+        | Feature::OneSided
         | Feature::BlackEmitter
         | Feature::ScatteringEmitter
         | Feature::ColoredEmitter

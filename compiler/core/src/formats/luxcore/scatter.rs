@@ -81,6 +81,20 @@ pub fn model(thing: &Thing<'_>, textures: &Things<'_>, to: &mut Said<'_, '_, '_>
     }
 }
 
+/// Where the front and the back of a material of two stand among all.
+pub fn sides(thing: &Thing<'_>, materials: &Things<'_>, to: &mut Said<'_, '_, '_>) -> Option<[usize; 2]> {
+    let mut side = |name: &str| {
+        let id = thing.string(name, to)?;
+        let found = materials.place(id);
+        if found.is_none() {
+            to.say(REFERENCE, thing.place(name), format!("there is no material `{}`", shown(id)));
+        }
+        found
+    };
+    let (front, back) = (side("frontmaterial"), side("backmaterial"));
+    front.zip(back).map(|(front, back)| [front, back])
+}
+
 /// What a material emits. LuxCore makes emission part of the material.
 pub fn emission(thing: &Thing<'_>, to: &mut Said<'_, '_, '_>) -> Option<Emitted> {
     let color = thing.rgb("emission", to)?;

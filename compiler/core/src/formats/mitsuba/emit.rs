@@ -16,7 +16,7 @@ use crate::formats::shared::text::{self, Head, Xml, XmlComment};
 use crate::formats::{self, Emission};
 use crate::ir::{
     Affine, Bsdf, Camera, Color, ColorOrTexture, Emission as Light, Encoding, Film, Filter, Group, Instance,
-    Integrator, LightKind, LightSource, Material, Mesh, Sampler, Scene, Shape, Texture, sub,
+    Integrator, LightKind, LightSource, Material, Mesh, Sampler, Scene, Shape, Sides, Texture, sub,
 };
 
 /// Writes all files of the target.
@@ -236,9 +236,8 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
         scene.instances.values().flat_map(|instance| instance.named().map(|(name, _)| name)).collect();
     let mut instances = words.assign(placed_names.iter().map(Cow::as_ref)).into_iter();
     for (item, id) in scene.materials.values().zip(&materials) {
-        let Material { name, bsdf } = item;
-        comment(name, id, out)?;
-        material(names, bsdf, id, &textures, out)?;
+        comment(&item.name, id, out)?;
+        material(names, item, id, &textures, out)?;
     }
     writeln!(out)?;
     let lights = words.assign(scene.lights.values().map(|light| light.name.as_str()));
@@ -400,84 +399,99 @@ fn paint(out: &mut dyn Write, depth: usize, name: &str, value: &ColorOrTexture, 
     }
 }
 
-fn material(names: &Names, bsdf: &Bsdf, id: &str, textures: &[String], out: &mut dyn Write) -> io::Result<()> {
+/// A material within `twosided`, without which a reflecting surface is black from behind.
+fn material(
+    names: &Names,
+    Material { name: _, bsdf, sides }: &Material,
+    id: &str,
+    textures: &[String],
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    if bsdf.is_clear() || *sides == Sides::Front {
+        return scattering(names, bsdf, (1, Some(id)), textures, out);
+    }
+    writeln!(out, "\t<bsdf type=\"twosided\" id=\"{id}\">")?;
+    scattering(names, bsdf, (2, None), textures, out)?;
+    writeln!(out, "\t</bsdf>")
+}
+
+/// What scatters, `depth` tabs from the left, with its id where nothing around it has one.
+fn scattering(
+    names: &Names,
+    bsdf: &Bsdf,
+    (depth, id): (usize, Option<&str>),
+    textures: &[String],
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let inner = depth + 1;
     match bsdf {
         Bsdf::Diffuse { reflectance } => {
-            open_twosided(id, "diffuse", out)?;
-            paint(out, 3, "reflectance", reflectance, textures)?;
-            close_twosided(out)
+            begin(out, depth, "diffuse", id)?;
+            paint(out, inner, "reflectance", reflectance, textures)?;
         }
         Bsdf::Conductor { eta, k, alpha } => {
             if *alpha == 0.0 {
-                open_twosided(id, "conductor", out)?;
+                begin(out, depth, "conductor", id)?;
             } else {
-                open_twosided(id, "roughconductor", out)?;
+                begin(out, depth, "roughconductor", id)?;
                 // The default distribution of all versions is Beckmann's.
-                string(out, 3, "distribution", "ggx")?;
-                float(out, 3, "alpha", *alpha)?;
+                string(out, inner, "distribution", "ggx")?;
+                float(out, inner, "alpha", *alpha)?;
             }
-            rgb(out, 3, "eta", eta)?;
-            rgb(out, 3, "k", k)?;
+            rgb(out, inner, "eta", eta)?;
+            rgb(out, inner, "k", k)?;
             if let Some(ext_eta) = names.ext_eta {
-                float(out, 3, ext_eta, 1.0)?;
+                float(out, inner, ext_eta, 1.0)?;
             }
-            close_twosided(out)
         }
         Bsdf::Dielectric { interior, exterior, alpha } => {
             if *alpha == 0.0 {
-                writeln!(out, "\t<bsdf type=\"dielectric\" id=\"{id}\">")?;
+                begin(out, depth, "dielectric", id)?;
             } else {
-                writeln!(out, "\t<bsdf type=\"roughdielectric\" id=\"{id}\">")?;
-                string(out, 2, "distribution", "ggx")?;
-                float(out, 2, "alpha", *alpha)?;
+                begin(out, depth, "roughdielectric", id)?;
+                string(out, inner, "distribution", "ggx")?;
+                float(out, inner, "alpha", *alpha)?;
             }
-            float(out, 2, names.int_ior, *interior)?;
-            float(out, 2, names.ext_ior, *exterior)?;
-            writeln!(out, "\t</bsdf>")
+            float(out, inner, names.int_ior, *interior)?;
+            float(out, inner, names.ext_ior, *exterior)?;
         }
         Bsdf::Mirror { reflectance } => {
-            open_twosided(id, "conductor", out)?;
+            begin(out, depth, "conductor", id)?;
             // "none" is the conductor that reflects all light at every angle.
-            string(out, 3, "material", "none")?;
-            rgb(out, 3, names.specular_reflectance, reflectance)?;
-            close_twosided(out)
+            string(out, inner, "material", "none")?;
+            rgb(out, inner, names.specular_reflectance, reflectance)?;
         }
         Bsdf::Plastic { reflectance, ior, alpha } => {
-            writeln!(out, "\t<bsdf type=\"twosided\" id=\"{id}\">")?;
-            plastic(names, 2, reflectance, (*ior, *alpha), true, textures, out)?;
-            writeln!(out, "\t</bsdf>")
+            return plastic(names, (depth, id), reflectance, (*ior, *alpha), true, textures, out);
         }
         Bsdf::Principled { base, metallic, roughness, ior } if names.principled => {
-            open_twosided(id, "principled", out)?;
-            paint(out, 3, "base_color", base, textures)?;
-            float(out, 3, "metallic", *metallic)?;
-            float(out, 3, "roughness", *roughness)?;
-            float(out, 3, "eta", *ior)?;
-            close_twosided(out)
+            begin(out, depth, "principled", id)?;
+            paint(out, inner, "base_color", base, textures)?;
+            float(out, inner, "metallic", *metallic)?;
+            float(out, inner, "roughness", *roughness)?;
+            float(out, inner, "eta", *ior)?;
         }
         Bsdf::Principled { base, metallic, roughness, ior } => {
-            writeln!(out, "\t<bsdf type=\"twosided\" id=\"{id}\">")?;
-            blend(names, base, (*metallic, roughness * roughness, *ior), textures, out)?;
-            writeln!(out, "\t</bsdf>")
+            return blend(names, (depth, id), base, (*metallic, roughness * roughness, *ior), textures, out);
         }
     }
+    end(out, depth)
 }
 
 /// A base under a coat; `nonlinear` where light that the coat throws back takes the base's color again.
 fn plastic(
     names: &Names,
-    depth: usize,
+    (depth, id): (usize, Option<&str>),
     reflectance: &ColorOrTexture,
     (ior, alpha): (f64, f64),
     nonlinear: bool,
     textures: &[String],
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    indent(out, depth)?;
     if alpha == 0.0 {
-        writeln!(out, "<bsdf type=\"plastic\">")?;
+        begin(out, depth, "plastic", id)?;
     } else {
-        writeln!(out, "<bsdf type=\"roughplastic\">")?;
+        begin(out, depth, "roughplastic", id)?;
         string(out, depth + 1, "distribution", "ggx")?;
         float(out, depth + 1, "alpha", alpha)?;
     }
@@ -486,56 +500,54 @@ fn plastic(
     float(out, depth + 1, names.ext_ior, 1.0)?;
     indent(out, depth + 1)?;
     writeln!(out, "<boolean name=\"nonlinear\" value=\"{nonlinear}\"/>")?;
-    indent(out, depth)?;
-    writeln!(out, "</bsdf>")
+    end(out, depth)
 }
 
 /// What stands for a principled material where there is none: a blend of plastic, whose base is not darkened, and of a metal
 /// without a Fresnel term.
 fn blend(
     names: &Names,
+    (outer, own): (usize, Option<&str>),
     base: &ColorOrTexture,
     (metallic, alpha, ior): (f64, f64, f64),
     textures: &[String],
     out: &mut dyn Write,
 ) -> io::Result<()> {
     let mixed = metallic > 0.0 && metallic < 1.0;
-    let depth = if mixed { 3 } else { 2 };
+    let (depth, id) = if mixed { (outer + 1, None) } else { (outer, own) };
     if mixed {
-        writeln!(out, "\t\t<bsdf type=\"blendbsdf\">")?;
-        float(out, 3, "weight", metallic)?;
+        begin(out, outer, "blendbsdf", own)?;
+        float(out, depth, "weight", metallic)?;
     }
     if metallic < 1.0 {
-        plastic(names, depth, base, (ior, alpha), false, textures, out)?;
+        plastic(names, (depth, id), base, (ior, alpha), false, textures, out)?;
     }
     if metallic > 0.0 {
-        indent(out, depth)?;
         if alpha == 0.0 {
-            writeln!(out, "<bsdf type=\"conductor\">")?;
+            begin(out, depth, "conductor", id)?;
         } else {
-            writeln!(out, "<bsdf type=\"roughconductor\">")?;
+            begin(out, depth, "roughconductor", id)?;
             string(out, depth + 1, "distribution", "ggx")?;
             float(out, depth + 1, "alpha", alpha)?;
         }
         string(out, depth + 1, "material", "none")?;
         paint(out, depth + 1, names.specular_reflectance, base, textures)?;
-        indent(out, depth)?;
-        writeln!(out, "</bsdf>")?;
+        end(out, depth)?;
     }
-    if mixed {
-        writeln!(out, "\t\t</bsdf>")?;
-    }
-    Ok(())
+    if mixed { end(out, outer) } else { Ok(()) }
 }
 
-/// Reflecting surfaces are black from behind unless they are wrapped.
-fn open_twosided(id: &str, kind: &str, out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "\t<bsdf type=\"twosided\" id=\"{id}\">")?;
-    writeln!(out, "\t\t<bsdf type=\"{kind}\">")
+fn begin(out: &mut dyn Write, depth: usize, kind: &str, id: Option<&str>) -> io::Result<()> {
+    indent(out, depth)?;
+    match id {
+        Some(id) => writeln!(out, "<bsdf type=\"{kind}\" id=\"{id}\">"),
+        None => writeln!(out, "<bsdf type=\"{kind}\">"),
+    }
 }
 
-fn close_twosided(out: &mut dyn Write) -> io::Result<()> {
-    writeln!(out, "\t\t</bsdf>\n\t</bsdf>")
+fn end(out: &mut dyn Write, depth: usize) -> io::Result<()> {
+    indent(out, depth)?;
+    writeln!(out, "</bsdf>")
 }
 
 /// The transform of a shape or instance, by rows as Mitsuba writes matrices.

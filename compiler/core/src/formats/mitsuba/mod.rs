@@ -81,6 +81,7 @@ fn supports(version: Version, feature: Feature) -> Support {
         | Feature::ThinnerInside
         | Feature::Mirror
         | Feature::DimMirror
+        | Feature::OneSided
         | Feature::BlackEmitter
         | Feature::ScatteringEmitter
         | Feature::ColoredEmitter

@@ -158,7 +158,7 @@ fn description(version: Version, emission: &Emission<'_>, out: &mut dyn Write) -
         textures.push(id);
     }
     for (item, id) in scene.materials.values().zip(&materials) {
-        let Material { name, bsdf } = item;
+        let Material { name, bsdf, sides: _ } = item;
         if name != id {
             writeln!(out, "# {}", Line(name))?;
         }

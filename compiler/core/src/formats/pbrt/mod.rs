@@ -158,6 +158,10 @@ fn supports_v4(feature: Feature) -> Support {
             "a base of 0.5 and roughness 0.316 in even light, seen at 0 and 60 degrees: without metal 0.4977, 0.5174 for 0.538, 0.582 \
              (pbrt-v4 of 2026-06 against Mitsuba 3.9.1); by pbrt-r4 4.5.2 0.585 for 0.724 at 80, metal 0.494, 0.513, 0.575 for 0.495, 0.501, 0.564; without the sheen at grazing angles that Burley's diffuse part has",
         ),
+        Feature::OneSided => Support::approximate(
+            "PBRT's materials scatter on both sides",
+            "none where no path meets the back of the surface; else all that its back reflects",
+        ),
         Feature::TexturedPrincipled => Support::approximate(
             "pbrt-v4's coat darkens its base, and the texture is lightened by the factor of a grey of 0.5 to make up for it",
             "for an index of 1.5 seen 0.135 where 0.2 is asked for, 1 where 0.8 is asked for (computed)",
@@ -305,6 +309,10 @@ fn supports_v3(feature: Feature) -> Support {
         Feature::TexturedPlastic => Support::approximate(
             "PBRT v3's `substrate` does not darken its base: the texture is darkened by the factor of a grey of 0.5",
             SCALED,
+        ),
+        Feature::OneSided => Support::approximate(
+            "PBRT's materials scatter on both sides",
+            "none where no path meets the back of the surface; else all that its back reflects",
         ),
         Feature::Principled | Feature::TexturedPrincipled => Support::approximate(
             "PBRT v3's `disney` is the model of 2015, which adds light that a rough base throws back",

@@ -129,7 +129,7 @@ fn lights(scene: &Scene) -> Option<Vec<Colored<'_, Light>>> {
 /// The reflectances of diffuse surfaces that are no greys, one for each color; none if there are too many.
 fn surfaces(scene: &Scene) -> Option<Vec<Colored<'_, Values>>> {
     let mut all: Vec<Colored<'_, Values>> = Vec::new();
-    for Material { name, bsdf } in scene.materials.values() {
+    for Material { name, bsdf, sides: _ } in scene.materials.values() {
         let color = match bsdf {
             Bsdf::Diffuse { reflectance: ColorOrTexture::Color(color) } => color,
             Bsdf::Diffuse { reflectance: ColorOrTexture::Texture(_) }

@@ -18,7 +18,7 @@ pub type Metal<'s> = (&'s str, [f64; 3], [f64; 3], f64);
 
 /// The metals of a scene of which `feature` is asked.
 pub fn metals(scene: &Scene, feature: Feature) -> impl Iterator<Item = Metal<'_>> {
-    scene.materials.values().filter_map(move |Material { name, bsdf }| match bsdf {
+    scene.materials.values().filter_map(move |Material { name, bsdf, sides: _ }| match bsdf {
         Bsdf::Conductor { eta, k, alpha } => {
             let kinds = [
                 (Feature::SmoothConductor, *alpha == 0.0),
@@ -123,7 +123,7 @@ pub fn of_glass(scene: &Scene, measured: &[Glass]) -> Option<Bound> {
             (None, None) => 0.0,
         }
     };
-    let rough = scene.materials.values().filter_map(|Material { name, bsdf }| match bsdf {
+    let rough = scene.materials.values().filter_map(|Material { name, bsdf, sides: _ }| match bsdf {
         Bsdf::Dielectric { interior: _, exterior: _, alpha } if *alpha > 0.0 => Some((name, *alpha)),
         Bsdf::Dielectric { interior: _, exterior: _, alpha: _ }
         | Bsdf::Diffuse { reflectance: _ }

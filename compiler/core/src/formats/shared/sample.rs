@@ -43,7 +43,7 @@ pub fn empty(name: &str) -> Scene {
 
 /// Adds a material.
 pub fn material(scene: &mut Scene, name: &str, bsdf: Bsdf) -> Handle<Material> {
-    scene.materials.push(Material { name: name.to_owned(), bsdf }, Origin::Made)
+    scene.materials.push(Material::new(name, bsdf), Origin::Made)
 }
 
 /// Adds a shape at its place.

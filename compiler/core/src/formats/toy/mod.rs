@@ -62,7 +62,8 @@ fn supports(feature: Feature) -> Support {
         | Feature::Plastic
         | Feature::TexturedPlastic
         | Feature::Principled
-        | Feature::TexturedPrincipled => COLOUR,
+        | Feature::TexturedPrincipled
+        | Feature::OneSided => COLOUR,
         Feature::Spectrum => super::RGB_ONLY,
         Feature::SeveralCameras => super::ONE_CAMERA,
         Feature::Environment
@@ -116,7 +117,7 @@ fn emit(emission: &Emission<'_>, sink: &mut dyn Sink) -> io::Result<()> {
         let (Sampler::Independent { samples, seed: _ } | Sampler::Sobol { samples, seed: _ }) = &scene.sampler;
         writeln!(out, "{} {samples}", scene.integrator.word())?;
         for material in scene.materials.values() {
-            let Material { name, bsdf } = material;
+            let Material { name, bsdf, sides: _ } = material;
             writeln!(out, "color {} [{}]", Line(name), Row(&color(bsdf).rgb(), " "))?;
         }
         let files = mesh_files(scene);

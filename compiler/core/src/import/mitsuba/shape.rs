@@ -11,7 +11,7 @@ use crate::import::build::{Shading, Wanted};
 use crate::import::color::Use;
 use crate::import::reader::shown;
 use crate::import::reader::{Fate, Reader};
-use crate::ir::{Affine, Arena, Bsdf, Color, Group, Handle, Mesh, Shape, length, sub};
+use crate::ir::{Affine, Arena, Bsdf, Color, Group, Handle, Mesh, Shape, Sides, length, sub};
 use crate::mesh::{self, Axis, Extent, Geometry, SignedAxis};
 
 /// Segments around a sphere, a disk or a cylinder that becomes a mesh; rings of a sphere are half as many.
@@ -133,12 +133,6 @@ impl Shapes {
             // Light passes it as if it was not there.
             return None;
         };
-        if !two_sided && !bsdf.is_black() {
-            let message = "a surface that is black from behind scatters light on both sides";
-            let help =
-                "where the back is never seen it is the same; write `twosided` around the material to have it so";
-            reader.lost_with(Fate::Approximated, plugin.span(), message, help);
-        }
         if bsdf.texture().is_some() {
             mesh = self.moved(mesh, uv.upright(), to);
             if to.mesh_of(mesh).uvs.is_none() {
@@ -151,7 +145,12 @@ impl Shapes {
                 });
             }
         }
-        let material = to.material(if name.is_empty() { &of_mesh } else { &name }, bsdf, &at);
+        let material = to.material(
+            if name.is_empty() { &of_mesh } else { &name },
+            bsdf,
+            if two_sided { Sides::Both } else { Sides::Front },
+            &at,
+        );
         let id = plugin.id();
         let name = if id.is_empty() { of_mesh } else { id.to_owned() };
         let emission = radiance.and_then(Builder::emission);

@@ -3,7 +3,7 @@
 use super::super::{Imported, Options, find, import};
 use crate::diag::{Severity, Sources};
 use crate::files::{MemoryFiles, VPath};
-use crate::ir::{Bsdf, Camera, Color, Filter, Integrator, LightKind, Sampler, Scene};
+use crate::ir::{Bsdf, Camera, Color, Filter, Integrator, LightKind, Sampler, Scene, Sides};
 
 /// A PLY file of one triangle, in the plane z = 0, facing up.
 const TRIANGLE: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
@@ -39,10 +39,21 @@ fn material(text: &str) -> (Bsdf, Vec<(String, usize, String)>) {
     let (scene, said) =
         scene(&format!("<shape type=\"ply\">\n<string name=\"filename\" value=\"a.ply\"/>\n{text}\n</shape>"));
     let bsdf = scene.materials.values().next().expect("a material").bsdf.clone();
-    (
-        bsdf,
-        said.into_iter().filter(|(_, _, message)| !message.contains("camera") && !message.contains("behind")).collect(),
-    )
+    (bsdf, said.into_iter().filter(|(_, _, message)| !message.contains("camera")).collect())
+}
+
+#[test]
+fn a_surface_without_two_sides_is_black_from_behind() {
+    let sides = |text: &str| {
+        let shape = "<shape type=\"ply\">\n<string name=\"filename\" value=\"a.ply\"/>\n";
+        let (scene, said) = scene(&format!("{shape}{text}\n</shape>"));
+        let about = said.iter().filter(|(_, _, message)| message.contains("behind")).count();
+        (scene.materials.values().next().expect("a material").sides, about)
+    };
+    let plain = "<bsdf type=\"plastic\"/>";
+    assert_eq!(sides(plain), (Sides::Front, 0));
+    assert_eq!(sides(&format!("<bsdf type=\"twosided\">{plain}</bsdf>")), (Sides::Both, 0));
+    assert_eq!(sides("<bsdf type=\"dielectric\"/>"), (Sides::Both, 0));
 }
 
 fn camera(scene: &Scene) -> &Camera {

@@ -13,7 +13,7 @@ use crate::import::Builder;
 use crate::import::build::{Shading, Wanted};
 use crate::import::reader::Fate;
 use crate::import::reader::shown;
-use crate::ir::{Bsdf, Color, Handle, Mesh, Shape, cross, dot, normalized, sub};
+use crate::ir::{Bsdf, Color, Handle, Mesh, Shape, Sides, cross, dot, normalized, sub};
 use crate::mesh::{self, Geometry};
 
 /// A mesh in object coordinates, its front turned as the file says.
@@ -53,7 +53,7 @@ impl World<'_, '_> {
                            rays that meet it, and outside for samples of its light";
             self.near(params.span, message);
         }
-        let material = self.to.material(of, bsdf, &at);
+        let material = self.to.material(of, bsdf, Sides::Both, &at);
         let emission = radiance.and_then(Builder::emission);
         let shape = Shape { name, mesh, transform, material, emission };
         if let Some((_, shapes, _)) = &mut self.object {

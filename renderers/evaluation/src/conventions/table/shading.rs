@@ -48,6 +48,16 @@ pub(super) const ROWS: &[Convention] = &[
         }])]
     ),
     convention!(
+        "one_sided",
+        &[Feature::OneSided, Feature::Diffuse],
+        &[View::plain(&[
+            front("a diffuse front", area(0.15, 0.38, 0.15, 0.38), 0.8),
+            front("a mirror's front", area(0.62, 0.85, 0.15, 0.38), 0.7),
+            back("a diffuse back", area(0.15, 0.38, 0.62, 0.85)),
+            back("a mirror's back", area(0.62, 0.85, 0.62, 0.85)),
+        ])]
+    ),
+    convention!(
         "coarse_sphere",
         &[Feature::VertexNormals, Feature::SmoothDiffuse],
         &[View::plain(&[
@@ -117,6 +127,25 @@ pub(super) const ROWS: &[Convention] = &[
         ]
     ),
 ];
+
+/// Reflects its share of even light.
+const fn front(name: &'static str, region: Region, share: f64) -> Check {
+    check(name, Measure::Mean(region, Channel::All), Expected::Number(share), Tolerance::Share(0.01))
+}
+
+/// Reflects nothing; in PBRT it is as from the front.
+const fn back(name: &'static str, region: Region) -> Check {
+    const BOTH: [Known; 2] = [as_from_the_front("pbrt-v3"), as_from_the_front("pbrt-v4")];
+    Check {
+        known: &BOTH,
+        ..check(name, Measure::Mean(region, Channel::All), Expected::Number(0.0), Tolerance::Plain(1e-4))
+    }
+}
+
+const fn as_from_the_front(target: &'static str) -> Known {
+    let by = By::Feature(Feature::OneSided, "all that its back reflects");
+    Known { target: Some(target), by, within: Within::Distance(0.81) }
+}
 
 /// Two rows in the middle of a plate, the plates four rows apart.
 const fn turned(name: &'static str, at: usize) -> Check {
