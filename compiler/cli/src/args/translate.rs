@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Findings, Settings};
+use super::{Findings, Settings, share};
 
 #[derive(Args, Debug)]
 pub struct Import {
@@ -19,6 +19,20 @@ pub struct Import {
     /// Write also over a text that is there, and over files that ltsc did not write, or that were changed since.
     #[arg(long)]
     pub force: bool,
+    #[command(flatten)]
+    pub findings: Findings,
+}
+
+#[derive(Args, Debug)]
+pub struct Equiv {
+    /// The reference.
+    pub a: PathBuf,
+    /// The scene compared with it.
+    pub b: PathBuf,
+    /// What counts as equal: a share of numbers and colors, and for places of the size of the scene, or of the surface's largest
+    /// coordinate where that is smaller; ten times as much for normals.
+    #[arg(long, value_name = "SHARE", default_value_t = ltsc_core::equiv::TOLERANCE, value_parser = share)]
+    pub tolerance: f64,
     #[command(flatten)]
     pub findings: Findings,
 }
