@@ -194,7 +194,7 @@ pub enum Command {
     /// Everything that the file says and the text does not, or not in the same way, is told with its place. `lint`, `render`, `emit`
     /// (also called `convert`) and `similar` take such files as they are. `--set` gives values to parameters that the file declares.
     #[command(
-        after_help = "Examples:\n  ltsc import scene.xml                       (writes NAME.lts, and a folder NAME beside it)\n  ltsc import kitchen/scene.xml -o scenes-src/kitchen.lts\n  ltsc import scene.xml --set spp=64 --deny loss-dropped\n  ltsc convert scene.xml --target pbrt-v4 -o out"
+        after_help = "Examples:\n  ltsc import scene.xml                       (writes NAME.lts, and a folder NAME beside it)\n  ltsc import kitchen/scene.xml -o scenes-src/kitchen.lts\n  ltsc import scene.xml --set spp=64 --deny loss-dropped\n  ltsc import --survey downloads              (what a folder of scenes holds, and what converts)\n  ltsc convert scene.xml --target pbrt-v4 -o out"
     )]
     Import(Import),
     /// Compare two scenes in any formats: whether they mean the same. A is the reference.

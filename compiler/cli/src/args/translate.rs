@@ -9,7 +9,12 @@ use super::{Findings, Settings, share};
 #[derive(Args, Debug)]
 pub struct Import {
     /// The scene of another program.
-    pub scene: PathBuf,
+    #[arg(required_unless_present = "survey")]
+    pub scene: Option<PathBuf>,
+    /// Write nothing; read all scenes of other programs below a folder, and print what they hold, how many convert with no
+    /// `loss-dropped`, and what stands in the way. Files are read below this folder only, or below `--root`.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["scene", "output", "set", "force"])]
+    pub survey: Option<PathBuf>,
     /// The text, or the folder for it; meshes and images go into a folder of its name beside it [default: the scene's name here].
     #[arg(short, long, value_name = "FILE.lts|DIR")]
     pub output: Option<PathBuf>,

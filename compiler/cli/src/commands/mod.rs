@@ -30,6 +30,7 @@ mod serve;
 mod shared;
 mod similar;
 mod stats;
+mod survey;
 mod task;
 mod users;
 
