@@ -164,3 +164,42 @@ fn many_surfaces_in_one_place_are_named_once_each() {
     let named = (ran.out + &ran.err).matches("overlapping-faces").count();
     assert_eq!(named, 299);
 }
+
+#[test]
+fn a_folder_of_scenes_is_surveyed() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let at = |name: &str| folder.path().join(name);
+    let survey = |more: &[&str]| run(ltsc().current_dir(folder.path()).args(["import", "--survey", "all"]).args(more));
+    assert_eq!(survey(&[]).code, Some(2), "no folder");
+    fs::create_dir_all(at("all/inner")).expect("a folder");
+    assert_eq!(survey(&[]).code, Some(2), "no scene");
+    let clean = SCENE.replace("<shape type=\"hair\"/>", "");
+    fs::write(at("all/clean.xml"), clean.replace("</scene>", "<include filename=\"inner/part.xml\"/></scene>"))
+        .expect("written");
+    fs::write(at("all/inner/part.xml"), "<scene version=\"0.6.0\"><emitter type=\"constant\"/></scene>")
+        .expect("written");
+    fs::write(at("all/inner/hairy.xml"), SCENE).expect("written");
+    fs::write(at("all/inner/hairy2.xml"), SCENE).expect("written");
+    fs::write(at("all/broken.xml"), "<scene version=\"0.6.0\"><shape").expect("written");
+    let text = "LookAt 0 0 5 0 0 0 0 1 0\nCamera \"perspective\" \"float fov\" [40]\nWorldBegin\nShape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]\nWorldEnd\n";
+    fs::write(at("all/inner/one.pbrt"), text).expect("written");
+    let ran = survey(&["--format", "json"]);
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    let document: serde_json::Value = serde_json::from_str(&ran.out).expect("JSON");
+    let counts = &document["counts"];
+    let count = |name: &str| counts[name].as_u64();
+    assert_eq!((count("scenes"), count("included"), count("broken")), (Some(5), Some(1), Some(1)), "{document:#}");
+    assert_eq!((count("converts"), count("loses")), (Some(2), Some(2)), "{document:#}");
+    let first = &document["in_the_way"][0];
+    assert!(first["scenes"] == 2 && first["reason"].as_str().expect("a reason").contains("`hair`"), "{document:#}");
+    let holds = document["holds"].as_array().expect("a table").iter();
+    let held: Vec<&str> = holds.filter(|row| row["scenes"] == 1).filter_map(|row| row["what"].as_str()).collect();
+    assert!(held.contains(&"environment"), "{document:#}");
+    let ran = survey(&[]);
+    assert_eq!(ran.code, Some(0), "{}", ran.err);
+    assert!(ran.out.contains("5 scenes (4 mitsuba, 1 pbrt), and 1 file that they include"), "{}", ran.out);
+    assert!(ran.out.contains("2 of 5 (40 %) convert"), "{}", ran.out);
+    let ran = survey(&["--format", "short"]);
+    assert!(ran.out.contains("broken.xml: broken\n") && ran.out.contains("hairy.xml: loses\n"), "{}", ran.out);
+    assert!(!at("clean.lts").exists() && !at("all/clean.lts").exists());
+}

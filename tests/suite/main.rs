@@ -11,6 +11,7 @@ mod cli;
 mod conventions;
 mod edits;
 mod endless;
+mod equiv;
 mod eval;
 mod evaluation_file;
 mod files;

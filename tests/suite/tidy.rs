@@ -25,6 +25,7 @@ const LAYERS: &[(&str, &[&str])] = &[
     ("lower", &["ir", "mesh", "diag"]),
     ("survey", &["ir", "diag"]),
     ("similar", &["ir"]),
+    ("equiv", &["diag", "formats", "image", "ir", "survey"]),
     ("contact", &["ir", "survey"]),
     ("lint", &["ir", "mesh", "survey", "contact", "diag"]),
     ("capability", &["ir", "mesh", "diag"]),

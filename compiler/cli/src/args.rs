@@ -17,7 +17,7 @@ pub use calibrate::Calibrate;
 pub use docs::{Doc, DocFormat, Explain, Manual};
 pub use eval::{Clean, CleanWhen, Eval, Reduce, Report, Serve, View};
 pub use reference::{Reference, ReferenceAction, ReferenceAdd, ReferenceList};
-pub use translate::{Emit, Import};
+pub use translate::{Emit, Equiv, Import};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -80,7 +80,7 @@ pub fn command() -> clap::Command {
     let names: Vec<String> = command.get_subcommands().map(|one| one.get_name().to_owned()).collect();
     // One that is changed goes to the end, so that all of them go there in their order.
     for name in names {
-        let own = matches!(name.as_str(), "agree" | "eval" | "reduce" | "reference" | "similar");
+        let own = matches!(name.as_str(), "agree" | "equiv" | "eval" | "reduce" | "reference" | "similar");
         command = command.mut_subcommand(name, |one| if own { form(one) } else { one });
     }
     command
@@ -112,10 +112,21 @@ fn unfit(matches: &ArgMatches) -> Option<String> {
     }
     let flag = |name: &str| inner.try_get_one::<bool>(name).ok().flatten().copied().unwrap_or(false);
     let findings = matches!(format, Format::Sarif | Format::Github);
-    if ["diff", "agree", "eval", "clean", "reduce", "similar", "list", "add", "reference", "conventions", "calibrate"]
-        .contains(&name)
-        && findings
-    {
+    let answers = [
+        "diff",
+        "equiv",
+        "agree",
+        "eval",
+        "clean",
+        "reduce",
+        "similar",
+        "list",
+        "add",
+        "reference",
+        "conventions",
+        "calibrate",
+    ];
+    if answers.contains(&name) && findings {
         return Some(format!(
             "`{format}` is for findings, and `{name}` gives another answer: it has human, short and json"
         ));
@@ -183,9 +194,18 @@ pub enum Command {
     /// Everything that the file says and the text does not, or not in the same way, is told with its place. `lint`, `render`, `emit`
     /// (also called `convert`) and `similar` take such files as they are. `--set` gives values to parameters that the file declares.
     #[command(
-        after_help = "Examples:\n  ltsc import scene.xml                       (writes NAME.lts, and a folder NAME beside it)\n  ltsc import kitchen/scene.xml -o scenes-src/kitchen.lts\n  ltsc import scene.xml --set spp=64 --deny loss-dropped\n  ltsc convert scene.xml --target pbrt-v4 -o out"
+        after_help = "Examples:\n  ltsc import scene.xml                       (writes NAME.lts, and a folder NAME beside it)\n  ltsc import kitchen/scene.xml -o scenes-src/kitchen.lts\n  ltsc import scene.xml --set spp=64 --deny loss-dropped\n  ltsc import --survey downloads              (what a folder of scenes holds, and what converts)\n  ltsc convert scene.xml --target pbrt-v4 -o out"
     )]
     Import(Import),
+    /// Compare two scenes in any formats: whether they mean the same. A is the reference.
+    ///
+    /// Cameras, film, integrator and sampler, lights, and surfaces by where they lie in the scene, with what they are made of and what
+    /// they emit to which side. Names, order and groups mean nothing, nor how triangles are shared out among shapes. What a reader could
+    /// not put into one scene is a difference where it is not said of the other. Exit code 1: they differ.
+    #[command(
+        after_help = "Examples:\n  ltsc equiv scene.xml scene.pbrt\n  ltsc equiv scenes-src/ring.lts old/ring.xml --tolerance 0.1%\n  ltsc equiv a.lts b.lts --format json"
+    )]
+    Equiv(Equiv),
     /// Write a scene for one target, as one self-contained folder.
     ///
     /// Without SCENE every scene of the project, as `build` does, for this target only.
@@ -373,6 +393,12 @@ pub struct Findings {
 }
 
 impl Findings {
+    /// The same where only errors matter: no rule is asked.
+    pub fn unlinted(&self) -> Self {
+        let allow = vec!["all".to_owned(), "warnings".to_owned()];
+        Self { allow, warn: Vec::new(), deny: Vec::new(), ..self.clone() }
+    }
+
     /// For people, with the project's levels.
     fn plain(limits: Limits, root: Option<PathBuf>) -> Self {
         let (allow, warn, deny) = (Vec::new(), Vec::new(), Vec::new());

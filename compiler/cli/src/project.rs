@@ -348,8 +348,18 @@ pub struct Found {
 /// The scene files that `path` stands for: itself, or all `.lts` files below it, sorted. Hidden folders and links to
 /// folders are passed over.
 pub fn scene_files(path: &Path) -> Result<Found, Failure> {
+    files_ending(path, &["lts"])
+}
+
+/// The file that `path` stands for, or all files below it whose names end in one of `endings` (in small letters, without the dot),
+/// as [`scene_files`] finds them.
+pub fn files_ending(path: &Path, endings: &[&str]) -> Result<Found, Failure> {
     let unreadable = |path: &Path, error: std::io::Error| {
         Failure::new(Exit::Input, format!("{} cannot be read: {}", path.display(), why(&error)))
+    };
+    let ends = |path: &Path| {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+        ending.is_some_and(|ending| endings.contains(&ending.as_str()))
     };
     let meta = fs::metadata(path).map_err(|error| unreadable(path, error))?;
     if !meta.is_dir() {
@@ -379,7 +389,7 @@ pub fn scene_files(path: &Path) -> Result<Found, Failure> {
             }
             if kind.is_dir() {
                 folders.push(entry.path());
-            } else if entry.path().extension().is_some_and(|ending| ending == "lts") {
+            } else if ends(&entry.path()) {
                 found.push(entry.path());
             }
         }
@@ -388,7 +398,7 @@ pub fn scene_files(path: &Path) -> Result<Found, Failure> {
     problems.sort_by(|a, b| a.message.cmp(&b.message));
     if found.is_empty() && problems.is_empty() {
         return Err(Failure::new(Exit::Usage, format!("there is no scene below {}", path.display()))
-            .help("scenes are files ending in `.lts`"));
+            .help(format!("scenes are files ending in `.{}`", endings.join("`, `."))));
     }
     Ok(Found { files: found, problems })
 }

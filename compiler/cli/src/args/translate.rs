@@ -4,12 +4,17 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{Findings, Settings};
+use super::{Findings, Settings, share};
 
 #[derive(Args, Debug)]
 pub struct Import {
     /// The scene of another program.
-    pub scene: PathBuf,
+    #[arg(required_unless_present = "survey")]
+    pub scene: Option<PathBuf>,
+    /// Write nothing; read all scenes of other programs below a folder, and print what they hold, how many convert with no
+    /// `loss-dropped`, and what stands in the way. Files are read below this folder only, or below `--root`.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["scene", "output", "set", "force"])]
+    pub survey: Option<PathBuf>,
     /// The text, or the folder for it; meshes and images go into a folder of its name beside it [default: the scene's name here].
     #[arg(short, long, value_name = "FILE.lts|DIR")]
     pub output: Option<PathBuf>,
@@ -19,6 +24,20 @@ pub struct Import {
     /// Write also over a text that is there, and over files that ltsc did not write, or that were changed since.
     #[arg(long)]
     pub force: bool,
+    #[command(flatten)]
+    pub findings: Findings,
+}
+
+#[derive(Args, Debug)]
+pub struct Equiv {
+    /// The reference.
+    pub a: PathBuf,
+    /// The scene compared with it.
+    pub b: PathBuf,
+    /// What counts as equal: a share of numbers and colors, and for places of the size of the scene, or of the surface's largest
+    /// coordinate where that is smaller; ten times as much for normals.
+    #[arg(long, value_name = "SHARE", default_value_t = ltsc_core::equiv::TOLERANCE, value_parser = share)]
+    pub tolerance: f64,
     #[command(flatten)]
     pub findings: Findings,
 }

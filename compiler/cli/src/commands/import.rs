@@ -19,7 +19,12 @@ use crate::terminal;
 
 pub fn run(command: &Import) -> Result<Exit, Failure> {
     let format = command.findings.format;
-    let file = &command.scene;
+    if let Some(folder) = &command.survey {
+        return super::survey::run(folder, &command.findings);
+    }
+    let Some(file) = &command.scene else {
+        return Err(Failure::new(Exit::Usage, "no scene is named").help("name a file, or a folder by `--survey`"));
+    };
     let known = file.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase()).unwrap_or_default();
     if !importers::IMPORTERS.iter().any(|importer| importer.endings.contains(&known.as_str())) {
         let endings: Vec<&str> = importers::IMPORTERS.iter().flat_map(|importer| importer.endings).copied().collect();

@@ -11,6 +11,7 @@ mod conventions;
 pub mod diff;
 mod doc;
 mod emit;
+mod equiv;
 mod eval;
 mod explain;
 mod fixes;
@@ -29,6 +30,7 @@ mod serve;
 mod shared;
 mod similar;
 mod stats;
+mod survey;
 mod task;
 mod users;
 
@@ -47,6 +49,7 @@ pub fn run(arguments: Arguments) -> Exit {
         Command::Fmt(command) => fmt::run(&command),
         Command::Similar(command) => similar::run(&command),
         Command::Import(command) => import::run(&command),
+        Command::Equiv(command) => equiv::run(&command),
         Command::Emit(command) => emit::run(&command),
         Command::Audit(command) => audit::run(&command),
         Command::Render(command) => render::run(&command),
@@ -85,6 +88,7 @@ fn format_of(command: &Command) -> Format {
         Command::Fmt(command) => command.format,
         Command::Similar(command) => command.findings.format,
         Command::Import(command) => command.findings.format,
+        Command::Equiv(command) => command.findings.format,
         Command::Emit(command) => command.findings.format,
         Command::Audit(command) => command.findings.format,
         Command::Render(command) => command.findings.format,

@@ -8,7 +8,7 @@ use ltsc_core::ir::Scene;
 use ltsc_core::similar::{Near, Nearness, Profile, rank};
 use serde_json::{Value, json};
 
-use crate::args::{Findings, Format, Similar};
+use crate::args::{Format, Similar};
 use crate::output::{Exit, Failure};
 use crate::project::{self, Project};
 use crate::terminal;
@@ -37,7 +37,7 @@ pub fn run(command: &Similar) -> Result<Exit, Failure> {
         );
     }
     // Findings of the scene itself are lint's business, except for what keeps it from being a scene.
-    let unlinted = unlinted(&command.findings);
+    let unlinted = command.findings.unlinted();
     let mut own = check(&project, std::slice::from_ref(&command.scene), &unlinted, Overrides::default(), &[])?;
     let Some(scene) = own.first_mut().and_then(|file| file.checked.scene.take()) else {
         let (exit, _) = report(&own, Vec::new(), command.findings.format, false, true);
@@ -81,16 +81,6 @@ pub fn run(command: &Similar) -> Result<Exit, Failure> {
     Ok(Exit::Done)
 }
 
-/// Only errors matter here: no rule is asked.
-fn unlinted(findings: &Findings) -> Findings {
-    Findings {
-        allow: vec!["all".to_owned(), "warnings".to_owned()],
-        warn: Vec::new(),
-        deny: Vec::new(),
-        ..findings.clone()
-    }
-}
-
 /// The project's other scenes, and the files that could not be read.
 fn others(project: &Project, command: &Similar, scene: &Scene) -> Result<(Vec<Profile>, Vec<String>), Failure> {
     let own = std::fs::canonicalize(&command.scene).ok();
@@ -101,7 +91,7 @@ fn others(project: &Project, command: &Similar, scene: &Scene) -> Result<(Vec<Pr
         .collect();
     let disk = disk_of(project, &command.findings)?;
     let from = Changed { disk: &disk, texts: &BTreeMap::new() };
-    let unlinted = unlinted(&command.findings);
+    let unlinted = command.findings.unlinted();
     // Of ten thousand scenes nothing but what is compared is kept.
     let all =
         check_each(project, &files, &unlinted, Overrides::default(), &[], &from, |file| match &file.checked.scene {
