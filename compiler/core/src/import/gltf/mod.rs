@@ -87,3 +87,6 @@ fn scene(reader: &mut Reader<'_>, path: &VPath, bytes: &[u8]) -> Result<Scene, F
     }
     Ok(to.finish(name_of(path), start, settings))
 }
+
+#[cfg(test)]
+mod tests;
