@@ -11,6 +11,18 @@ use crate::ir::{Affine, Arena, Group, Handle, Mesh, Shape};
 use crate::mesh::file::gltf::Use;
 use crate::mesh::file::{Model, Part};
 
+/// What makes uses of meshes the same: meshes and surfaces of their parts.
+type Key = Vec<(usize, Option<usize>)>;
+
+/// A group at all places of a node.
+struct Placed<'n> {
+    group: Handle<Group>,
+    name: &'n str,
+    places: Vec<Affine>,
+    node: usize,
+    here: Origin,
+}
+
 /// Adds all parts of a model. `of_ltsc` says that a mesh of several primitives is a group, as ltsc writes it.
 pub fn add(
     model: Model,
@@ -42,8 +54,8 @@ pub fn add(
     for mesh in all.iter().filter_map(|(own, _)| own.mesh) {
         *count.entry(mesh).or_default() += 1;
     }
-    let mut groups: BTreeMap<Vec<(usize, Option<usize>)>, Option<Handle<Group>>> = BTreeMap::new();
-    let mut at_once: Vec<(Handle<Group>, &str, Vec<Affine>, Origin, usize)> = Vec::new();
+    let mut groups: BTreeMap<Key, Option<Handle<Group>>> = BTreeMap::new();
+    let mut at_once: Vec<Placed<'_>> = Vec::new();
     for (index, (own, parts)) in all.iter().enumerate() {
         let here = at(&path, format!("/nodes/{}", own.node));
         let Some(head) = parts.first() else { continue };
@@ -59,7 +71,7 @@ pub fn add(
             }
             continue;
         }
-        let key: Vec<_> = parts.iter().map(|part| (part.mesh, part.surface)).collect();
+        let key: Key = parts.iter().map(|part| (part.mesh, part.surface)).collect();
         let known = groups.get(&key).copied();
         let group = known.unwrap_or_else(|| {
             let mut shapes = Arena::default();
@@ -74,14 +86,15 @@ pub fn add(
         });
         let Some(group) = group else { continue };
         match at_once.last_mut() {
-            Some((last, _, places, _, node)) if many && *last == group && *node == own.node => {
-                places.push(head.transform)
+            Some(last) if many && last.group == group && last.node == own.node => last.places.push(head.transform),
+            _ if many => {
+                let places = vec![head.transform];
+                at_once.push(Placed { group, name: &head.name, places, node: own.node, here });
             }
-            _ if many => at_once.push((group, &head.name, vec![head.transform], here, own.node)),
             _ => to.instance(reader, &head.name, group, head.transform, &here),
         }
     }
-    for (group, name, places, here, _) in at_once {
+    for Placed { group, name, places, node: _, here } in at_once {
         to.instances(reader, name, group, places, &here);
     }
 }

@@ -20,6 +20,9 @@ const NEAR: f64 = 0.05;
 /// The gray by which it is said how a coat changes an image.
 const MIDDLE: f64 = 0.5;
 
+/// A material, and what its surface emits.
+type Made = (Handle<Material>, Option<Emission>);
+
 /// The materials of a file.
 pub struct Surfaces<'p> {
     path: &'p VPath,
@@ -29,7 +32,7 @@ pub struct Surfaces<'p> {
     /// Images of the file by number and the bits of their factor.
     images: HashMap<(usize, [u64; 3]), Option<Handle<Texture>>>,
     /// What was made of a surface, with and without its image.
-    made: HashMap<(Option<usize>, bool), (Handle<Material>, Option<Emission>)>,
+    made: HashMap<(Option<usize>, bool), Made>,
 }
 
 /// What the importer asks of a material beside what the mesh's reader says.
@@ -67,13 +70,7 @@ impl<'p> Surfaces<'p> {
     }
 
     /// The material of a surface and what it emits; `laid` says whether the mesh has texture coordinates.
-    pub fn get(
-        &mut self,
-        surface: Option<usize>,
-        laid: bool,
-        reader: &mut Reader<'_>,
-        to: &mut Builder,
-    ) -> (Handle<Material>, Option<Emission>) {
+    pub fn get(&mut self, surface: Option<usize>, laid: bool, reader: &mut Reader<'_>, to: &mut Builder) -> Made {
         if let Some(made) = self.made.get(&(surface, laid)) {
             return made.clone();
         }
@@ -82,13 +79,7 @@ impl<'p> Surfaces<'p> {
         made
     }
 
-    fn make(
-        &mut self,
-        index: Option<usize>,
-        laid: bool,
-        reader: &mut Reader<'_>,
-        to: &mut Builder,
-    ) -> (Handle<Material>, Option<Emission>) {
+    fn make(&mut self, index: Option<usize>, laid: bool, reader: &mut Reader<'_>, to: &mut Builder) -> Made {
         let Some(mut surface) = index.and_then(|index| self.all.get(index).cloned()) else {
             let here = at(self.path, "/meshes".to_owned());
             let message = format!("meshes without a material become `diffuse({GREY})`");
@@ -216,7 +207,7 @@ fn metal(head_on: f64) -> Option<[f64; 2]> {
     let (low, high) = ((1.0 - root) / (1.0 + root), (1.0 + root) / (1.0 - root));
     let mut best = (f64::INFINITY, [1.0, 0.0]);
     for step in 0..=STEPS {
-        let eta = low * (high / low).powf(f64::from(step) / f64::from(STEPS));
+        let eta = low * libm::pow(high / low, f64::from(step) / f64::from(STEPS));
         let square = (share * (eta + 1.0) * (eta + 1.0) - (eta - 1.0) * (eta - 1.0)) / (1.0 - share);
         let k = square.max(0.0).sqrt();
         let off = (1..=40)

@@ -171,7 +171,7 @@ fn a_camera_keeps_its_angle_and_its_ratio() {
     let own = scene.cameras.values().next().expect("a camera");
     assert_eq!((scene.film.width, scene.film.height), (512, 256));
     assert!(close(&own.eye, &[0.0, -5.0, 1.0]) && close(&sub(own.target, own.eye), &[0.0, 1.0, 0.0]));
-    assert!(close(&own.up, &[0.0, 0.0, 1.0]) && close(&[own.fov_x], &[2.0 * 2.0_f64.atan().to_degrees()]));
+    assert!(close(&own.up, &[0.0, 0.0, 1.0]) && close(&[own.fov_x], &[2.0 * libm::atan(2.0).to_degrees()]));
     assert_eq!((own.near, own.far), (Some(0.1), None));
     assert!(!says(&findings, "loss-dropped", "", "camera"), "{findings:?}");
     let flat = json!({"type": "orthographic", "orthographic": {"xmag": 1, "ymag": 1, "znear": 0, "zfar": 9}});
