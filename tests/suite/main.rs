@@ -23,6 +23,7 @@ mod geometry;
 mod gltf;
 mod golden;
 mod import;
+mod import_gltf;
 mod interrupted;
 mod ledger;
 mod losses;

@@ -63,8 +63,6 @@ impl Checked {
 const FOREIGN: &[(&str, &str)] = &[
     ("scn", "a scene of LuxCore"),
     ("cfg", "a configuration of LuxCore"),
-    ("gltf", "a scene in glTF"),
-    ("glb", "a scene in glTF"),
     ("blend", "a scene of Blender"),
     ("usd", "a scene in USD"),
     ("usda", "a scene in USD"),

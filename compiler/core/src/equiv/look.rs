@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use super::fact::{Fact, Facts, Measure, short};
 use crate::image::{self, Pixels};
-use crate::ir::{Bsdf, Color, ColorOrTexture, Emission, Handle, Scene, Texture};
+use crate::ir::{Bsdf, Color, ColorOrTexture, Emission, Handle, Material, Scene, Texture};
 
 /// How two materials differ: what, what A has, what B has.
 pub type Rows = Vec<(String, [String; 2])>;
@@ -81,7 +81,9 @@ fn same_image(a: &Texture, b: &Texture, share: f64) -> bool {
 }
 
 /// How two materials differ. Where `turned`, B's surface has its normals to the other side, so that its inside is A's outside.
-pub fn materials(a: &Bsdf, b: &Bsdf, turned: bool, images: &mut Images<'_>, measure: Measure) -> Rows {
+pub fn materials(a: &Material, b: &Material, turned: bool, images: &mut Images<'_>, measure: Measure) -> Rows {
+    let sides = [sides(a, false), sides(b, turned)];
+    let (a, b) = (&a.bsdf, &b.bsdf);
     if a.is_black() && b.is_black() {
         return Vec::new();
     }
@@ -92,7 +94,20 @@ pub fn materials(a: &Bsdf, b: &Bsdf, turned: bool, images: &mut Images<'_>, meas
         (None, None) => [None, None],
     };
     let [paint_a, paint_b] = paints;
-    facts(a, paint_a, false).differences(&facts(b, paint_b, turned), measure)
+    let mut rows = facts(a, paint_a, false).differences(&facts(b, paint_b, turned), measure);
+    if sides[0] != sides[1] {
+        rows.push(("sides that scatter light".to_owned(), sides.map(str::to_owned)));
+    }
+    rows
+}
+
+/// On which sides of A's surface a material scatters light.
+fn sides(material: &Material, turned: bool) -> &'static str {
+    match (material.is_one_sided(), turned) {
+        (false, _) => "both",
+        (true, false) => "the front",
+        (true, true) => "the back",
+    }
 }
 
 fn only_b(images: &Images<'_>, paint: &ColorOrTexture) -> Fact {

@@ -9,7 +9,7 @@ use super::look::{self, Images, Rows};
 use super::near::{Spot, pairs};
 use super::report::{Kind, Place, Report};
 use super::rest;
-use crate::ir::{Bsdf, Handle, Material, Scene, cross, normalized, sub};
+use crate::ir::{Handle, Material, Scene, cross, normalized, sub};
 use crate::survey::{PLACED_LIMIT, Survey};
 
 /// Compares all surfaces; how many of A's were found again.
@@ -63,12 +63,12 @@ impl<'s> Looks<'s> {
         Self { scenes: [a, b], measure, images: Images::of(a, b, measure), known: HashMap::new() }
     }
 
-    fn bsdf(&self, side: usize, one: &Use<'_>) -> &'s Bsdf {
-        &self.scenes[side].materials[one.placed.shape.material].bsdf
+    fn material(&self, side: usize, one: &Use<'_>) -> &'s Material {
+        &self.scenes[side].materials[one.placed.shape.material]
     }
 
     fn rows(&mut self, a: &Use<'_>, b: &Use<'_>, turned: bool) -> &Rows {
-        let (one, other) = (self.bsdf(0, a), self.bsdf(1, b));
+        let (one, other) = (self.material(0, a), self.material(1, b));
         let key = (a.placed.shape.material, b.placed.shape.material, turned);
         let (images, measure) = (&mut self.images, self.measure);
         self.known.entry(key).or_insert_with(|| look::materials(one, other, turned, images, measure))
@@ -102,9 +102,10 @@ impl<'s> Looks<'s> {
                 }
             }
         }
-        let clear = |bsdf: &Bsdf| bsdf.word() == "dielectric";
-        let turned = fit.turned && clear(self.bsdf(0, a)) && clear(self.bsdf(1, b));
-        if turned && !self.rows(a, b, true).is_empty() && self.rows(a, b, false).is_empty() {
+        let has_sides = |material: &Material| material.bsdf.is_clear() || material.is_one_sided();
+        let turned = fit.turned && has_sides(self.material(0, a)) && has_sides(self.material(1, b));
+        let clear = self.material(0, a).bsdf.is_clear();
+        if clear && turned && !self.rows(a, b, true).is_empty() && self.rows(a, b, false).is_empty() {
             add(Kind::Material, "dielectric side of the inside", fronts().map(|front| format!("behind {front}")));
         } else {
             for (what, words) in self.rows(a, b, turned) {
@@ -118,7 +119,7 @@ impl<'s> Looks<'s> {
             });
             add(Kind::Surface, "shading normals", words);
         }
-        let painted = self.bsdf(0, a).texture().is_some() || self.bsdf(1, b).texture().is_some();
+        let painted = self.material(0, a).bsdf.texture().is_some() || self.material(1, b).bsdf.texture().is_some();
         if fit.uvs && painted {
             let words = [(0, a), (1, b)].map(|(side, one)| {
                 let given = fitter.sides[side].mesh(one.placed.shape.mesh).uvs.is_some();

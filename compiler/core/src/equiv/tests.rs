@@ -7,7 +7,7 @@ use crate::diag::{Finding, Origin, Severity};
 use crate::formats::shared::sample;
 use crate::ir::{
     Affine, Arena, Bsdf, Color, Emission, Filter, Group, Instance, Integrator, LightKind, LightSource, Mesh, Places,
-    Sampler, Shape,
+    Sampler, Shape, Sides,
 };
 
 fn compared(a: &Scene, b: &Scene) -> Comparison {
@@ -340,4 +340,15 @@ fn many_shapes_are_compared_in_time() {
         let all = told(&scene, &moved);
         assert_eq!((all.len(), all[0].0), (1, Kind::Surface), "{all:#?}");
     }
+}
+
+#[test]
+fn sides_that_scatter_light_are_told_wherever_the_normals_lie() {
+    let (mut room, mut other) = (sample::room(), sample::room());
+    let one_sided = |scene: &mut Scene| scene.materials.iter_mut().for_each(|(_, one)| one.sides = Sides::Front);
+    one_sided(&mut other);
+    let all = told(&room, &other);
+    assert!(!all.is_empty() && all.iter().all(|(_, what, _)| what == "sides that scatter light"), "{all:#?}");
+    one_sided(&mut room);
+    assert_eq!(told(&room, &other), []);
 }

@@ -179,6 +179,19 @@ impl Builder {
         handle
     }
 
+    /// An image whose bytes the scene's own file holds; none where it cannot be read, which is a finding. `factor` lies between 0 and 1.
+    pub fn texture_inside(
+        &mut self,
+        reader: &mut Reader<'_>,
+        (name, ending): (&str, &str),
+        bytes: &[u8],
+        factor: [f64; 3],
+        at: &Origin,
+    ) -> Option<Handle<Texture>> {
+        let texture = load_texture(reader, (name, name, ending), bytes, None, factor, at)?;
+        Some(self.textures.push(texture, at.clone()))
+    }
+
     /// Squares of two colors, two by two for each step of the texture coordinates: the first of `colors` at the left of the first row.
     pub fn checkerboard(
         &mut self,
@@ -312,6 +325,27 @@ impl Builder {
         }
     }
 
+    /// A group at many places, which have numbers and no names.
+    pub fn instances(
+        &mut self,
+        reader: &mut Reader<'_>,
+        name: &str,
+        group: Handle<Group>,
+        places: Vec<Affine>,
+        at: &Origin,
+    ) {
+        let shapes = self.groups[group].shapes.len().max(1) as u64;
+        self.placed = self.placed.saturating_add(shapes.saturating_mul(places.len() as u64));
+        if self.placed > reader.limits().instances {
+            let most = reader.limits().instances;
+            let message = format!("there are more than {most} shapes");
+            reader.lost_with(Fate::Dropped, at.clone(), message, "`--limit instances=N` allows more");
+        } else if !places.is_empty() {
+            let name = self.unique(name);
+            self.instances.push(Instance { name, group, places: Places::Many(places.into()) }, at.clone());
+        }
+    }
+
     /// The number of shapes of a group.
     pub fn shapes_of(&self, group: Handle<Group>) -> usize {
         self.groups[group].shapes.len()
@@ -364,6 +398,12 @@ impl Builder {
         let eye = [middle[0], middle[1] - 2.0 * size, middle[2]];
         let up = [0.0, 0.0, 1.0];
         self.camera(Camera { name: None, eye, target: middle, up, fov_x: 45.0, near: None, far: None }, &at);
+    }
+
+    /// Whether anything sends out light.
+    pub fn shines(&self) -> bool {
+        let in_groups = self.groups.values().flat_map(|group| group.shapes.values());
+        !self.lights.is_empty() || self.shapes.values().chain(in_groups).any(|shape| shape.emission.is_some())
     }
 
     /// The cameras so far.
@@ -502,10 +542,22 @@ fn read_texture(
             return None;
         }
     };
-    let Loaded { info, file, peak, remarks } = match image::load(&path.extension(), &bytes, reader.limits().pixels) {
+    load_texture(reader, (path.stem(), path.as_str(), &path.extension()), &bytes, encoding, factor, at)
+}
+
+/// An image of a name, which is called otherwise where it is told of, and of an ending.
+fn load_texture(
+    reader: &mut Reader<'_>,
+    (name, told, ending): (&str, &str, &str),
+    bytes: &[u8],
+    encoding: Option<Encoding>,
+    factor: [f64; 3],
+    at: &Origin,
+) -> Option<Texture> {
+    let Loaded { info, file, peak, remarks } = match image::load(ending, bytes, reader.limits().pixels) {
         Ok(loaded) => loaded,
         Err(error) => {
-            let message = format!("an image is left out: `{path}` {}", error.message);
+            let message = format!("an image is left out: `{told}` {}", error.message);
             reader.lost_with(Fate::Dropped, at.clone(), message, error.help.unwrap_or_default());
             return None;
         }
@@ -516,10 +568,10 @@ fn read_texture(
             Loss::Approximated => "loss-approximated",
             Loss::Dropped => "loss-dropped",
         };
-        let message = format!("`{path}` {}", remark.message);
+        let message = format!("`{told}` {}", remark.message);
         reader.add(Finding::new(id, Severity::Warn, at.clone(), message));
     }
     let encoding = if info.format.is_float() { Encoding::Linear } else { encoding.unwrap_or(Encoding::Srgb) };
     let peak = if encoding == Encoding::Srgb { image::decoded(peak) } else { peak };
-    Some(Texture { name: path.stem().to_owned(), file, image: info, encoding, peak, factor })
+    Some(Texture { name: plain(name), file, image: info, encoding, peak, factor })
 }

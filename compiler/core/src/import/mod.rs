@@ -5,6 +5,7 @@
 
 mod build;
 mod color;
+mod gltf;
 mod metals;
 pub mod mitsuba;
 pub mod pbrt;
@@ -34,7 +35,7 @@ pub struct Importer {
 }
 
 /// All formats that are read.
-pub static IMPORTERS: &[Importer] = &[mitsuba::IMPORTER, pbrt::IMPORTER];
+pub static IMPORTERS: &[Importer] = &[gltf::IMPORTER, mitsuba::IMPORTER, pbrt::IMPORTER];
 
 /// The importer of a file, by the ending of its name.
 pub fn find(path: &VPath) -> Option<&'static Importer> {

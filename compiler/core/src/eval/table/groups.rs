@@ -6,9 +6,9 @@ use std::rc::Rc;
 use crate::diag::{Finding, Severity};
 use crate::files::{Bytes, VPath};
 use crate::image::{self, Loaded};
-use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Encoding, Handle, Places, Sides, Texture};
+use crate::ir::{Affine, Bsdf, Color, Encoding, Handle, Places, Sides, Texture};
 use crate::mesh::Geometry;
-use crate::mesh::file::{Model, NAMELESS, Part, Picture, Scatter, Surface, read_parts};
+use crate::mesh::file::{Model, NAMELESS, Part, Picture, Surface, plain_color, read_parts};
 
 use super::super::items::{GroupBody, Item};
 use super::super::value::{EmissionValue, GroupValue, MaterialValue, MeshValue, Ty, Value};
@@ -59,7 +59,7 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
         .iter()
         .zip(textures)
         .map(|(surface, texture)| {
-            let (bsdf, _) = bsdf(&surface.scatter, Some(texture?));
+            let (bsdf, _) = surface.scatter.bsdf(Some(texture?));
             let name = (!surface.name.is_empty()).then(|| surface.name.clone());
             bsdf.texture().map(|_| Rc::new(MaterialValue { name, bsdf, sides: Sides::Both, span }))
         })
@@ -68,11 +68,11 @@ fn file(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
         let Surface { name, scatter, emission, picture: _, factor: _, lost: _ } = surface;
         let material = Rc::new(MaterialValue {
             name: (!name.is_empty()).then(|| name.clone()),
-            bsdf: bsdf(scatter, None).0,
+            bsdf: scatter.bsdf(None).0,
             sides: Sides::Both,
             span,
         });
-        (material, emission.map(color))
+        (material, emission.map(plain_color))
     };
     let materials: Vec<_> = surfaces.iter().map(material).collect();
     let grey = Bsdf::Diffuse { reflectance: Color::Grey(GREY).into() };
@@ -155,7 +155,7 @@ fn unpainted(
     site: &mut Site<'_>,
 ) {
     let textured = |at: usize| textures.get(at).copied().flatten();
-    let takes = |at: usize| bsdf(&surfaces[at].scatter, textured(at)).0.texture().is_some();
+    let takes = |at: usize| surfaces[at].scatter.bsdf(textured(at)).0.texture().is_some();
     let names: Vec<&str> = (0..surfaces.len())
         .filter(|at| textured(*at).is_some() && !takes(*at))
         .map(|at| surfaces[at].name.as_str())
@@ -216,7 +216,7 @@ fn report(path: &str, surfaces: &[Surface], used: &[bool], bare: usize, site: &m
         for what in &surface.lost {
             dropped.entry(what).or_default().push(&surface.name);
         }
-        if let Some(what) = bsdf(&surface.scatter, None).1 {
+        if let Some(what) = surface.scatter.bsdf(None).1 {
             nearly.entry(what).or_default().push(&surface.name);
         }
         if surface.emission.is_some() {
@@ -248,26 +248,4 @@ fn listed(names: &[&str]) -> String {
     let more = if names.len() > 5 { ", ..." } else { "" };
     let word = if names.len() == 1 { "material" } else { "materials" };
     format!("{} {word} ({}{more})", names.len(), shown.join(", "))
-}
-
-fn color([r, g, b]: [f64; 3]) -> Color {
-    if r == g && g == b { Color::Grey(r) } else { Color::Rgb([r, g, b]) }
-}
-
-/// The scattering of a surface, under a texture if it has one, and in words how it differs from what the file says.
-fn bsdf(scatter: &Scatter, texture: Option<Handle<Texture>>) -> (Bsdf, Option<&'static str>) {
-    let paint = |plain| texture.map_or_else(|| color(plain).into(), ColorOrTexture::Texture);
-    match *scatter {
-        Scatter::Diffuse(reflectance) => (Bsdf::Diffuse { reflectance: paint(reflectance) }, None),
-        Scatter::Mirror(reflectance) => (Bsdf::Mirror { reflectance: color(reflectance) }, None),
-        Scatter::Glass { ior, alpha } => (Bsdf::Dielectric { interior: ior, exterior: 1.0, alpha }, None),
-        // At an index of 1 nothing is reflected at the surface.
-        Scatter::MetallicRoughness { base, metallic: 0.0, roughness: _, ior } if ior <= 1.0 => {
-            (Bsdf::Diffuse { reflectance: paint(base) }, None)
-        }
-        Scatter::MetallicRoughness { base, metallic, roughness, ior } => {
-            let bsdf = Bsdf::Principled { base: paint(base), metallic, roughness, ior: ior.max(1.000_001) };
-            (bsdf, Some("the model of glTF becomes `principled`, whose base is not Lambert's but Burley's"))
-        }
-    }
 }

@@ -17,7 +17,7 @@ mod text;
 
 use std::fmt;
 
-pub use model::{Model, NAMELESS, Part, Picture, Scatter, Surface};
+pub use model::{Model, NAMELESS, Part, Picture, Scatter, Surface, plain_color};
 pub use note::{Fate, Note};
 
 use super::Geometry;

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::finish::flat;
 use super::{FileError, Note, missing_part};
-use crate::ir::{Affine, Vec3};
+use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Handle, Texture, Vec3};
 use crate::mesh::{Geometry, faceted, transform};
 
 /// The parts of a file with their materials.
@@ -89,6 +89,31 @@ pub enum Scatter {
         /// Index of refraction of what is no metal.
         ior: f64,
     },
+}
+
+impl Scatter {
+    /// The scattering of a surface, under a texture if it has one, and in words how it differs from what the file says.
+    pub fn bsdf(&self, texture: Option<Handle<Texture>>) -> (Bsdf, Option<&'static str>) {
+        let paint = |plain| texture.map_or_else(|| plain_color(plain).into(), ColorOrTexture::Texture);
+        match *self {
+            Self::Diffuse(reflectance) => (Bsdf::Diffuse { reflectance: paint(reflectance) }, None),
+            Self::Mirror(reflectance) => (Bsdf::Mirror { reflectance: plain_color(reflectance) }, None),
+            Self::Glass { ior, alpha } => (Bsdf::Dielectric { interior: ior, exterior: 1.0, alpha }, None),
+            // At an index of 1 nothing is reflected at the surface.
+            Self::MetallicRoughness { base, metallic: 0.0, roughness: _, ior } if ior <= 1.0 => {
+                (Bsdf::Diffuse { reflectance: paint(base) }, None)
+            }
+            Self::MetallicRoughness { base, metallic, roughness, ior } => {
+                let bsdf = Bsdf::Principled { base: paint(base), metallic, roughness, ior: ior.max(1.000_001) };
+                (bsdf, Some("the model of glTF becomes `principled`, whose base is not Lambert's but Burley's"))
+            }
+        }
+    }
+}
+
+/// A color, a gray where it is one.
+pub fn plain_color([r, g, b]: Vec3) -> Color {
+    if r == g && g == b { Color::Grey(r) } else { Color::Rgb([r, g, b]) }
 }
 
 /// The name of a part for which the file has none.

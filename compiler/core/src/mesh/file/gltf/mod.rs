@@ -34,36 +34,8 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>, beside: &mut Beside<'_>) ->
     let (text, chunk) = document::split(bytes)?;
     let values = document::parse(text)?;
     let document = Document::new(&values)?;
-    extensions::required(&document)?;
-    let mut notes = Vec::new();
-    extensions::used(&document, &mut notes);
-    let own = chunk.map(|range| Box::new(&bytes[range]) as accessor::Blob<'_>);
-    let buffers = Buffers::new(&document, own, text.len(), &mut |item, path| {
-        let found: accessor::Blob<'_> = beside(path).map_err(|message| FileError::new(item.place(), message))?;
-        Ok(found)
-    })?;
-    faults(&document, &mut notes)?;
-    let mut reader = Reader {
-        nodes: document.list("nodes")?,
-        meshes: document.list("meshes")?,
-        skins: document.list("skins")?,
-        maps: None,
-        looks: material::looks(&document, &buffers)?,
-        buffers,
-        parts: PARTS,
-        model: Model::default(),
-        known: BTreeMap::new(),
-        shared: BTreeMap::new(),
-        tinted: BTreeMap::new(),
-        skipped: BTreeMap::new(),
-        names: Unique::default(),
-        part,
-        all: Vec::new(),
-        selected: Vec::new(),
-        notes,
-    };
-    reader.run(&document)?;
-    let Reader { model, all, selected, notes, .. } = reader;
+    let own = chunk.map(|range| &bytes[range]);
+    let Reader { model, all, selected, notes, .. } = Reader::new(&document, own, text.len(), part, beside)?;
     let model = match part {
         None => model,
         Some(part) => model.only("node or mesh", part, &all, &selected)?,
@@ -72,6 +44,47 @@ pub(super) fn read(bytes: &[u8], part: Option<&str>, beside: &mut Beside<'_>) ->
         return Err(FileError::new("", "the file has no triangles in its scene"));
     }
     Ok((model, notes))
+}
+
+/// All that stands in the default scene of a document.
+pub struct Whole<'v> {
+    /// The shapes, with normals, flat ones where the file has none. The surfaces are first those of `materials`, in their order.
+    pub model: Model,
+    /// Which use of a mesh each part of the model belongs to.
+    pub uses: Vec<Use>,
+    /// Nodes with a camera or a light, and where they stand, z up.
+    pub others: Vec<(Item<'v>, Affine)>,
+    /// What is to be said.
+    pub notes: Vec<Note>,
+}
+
+/// A mesh at a node: parts of the same use are its primitives.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Use {
+    /// The node.
+    pub node: usize,
+    /// Which of the places of EXT_mesh_gpu_instancing; 0 without it.
+    pub copy: usize,
+    /// The mesh; none where the primitives stand where their joints do.
+    pub mesh: Option<usize>,
+}
+
+/// Reads the whole default scene of a document of `size` bytes; `own` is the chunk of a binary file. A primitive that is broken is a
+/// note, and the others are read.
+///
+/// # Errors
+/// Whatever is wrong with the document or its buffers.
+pub fn whole<'v>(
+    document: &Document<'v>,
+    own: Option<&[u8]>,
+    size: usize,
+    beside: &mut Beside<'_>,
+) -> Result<Whole<'v>, FileError> {
+    let mut reader = Reader::open(document, own, size, None, beside)?;
+    reader.others = Some(Vec::new());
+    reader.run(document)?;
+    let Reader { model, uses, others, notes, .. } = reader;
+    Ok(Whole { model, uses, others: others.unwrap_or_default(), notes: super::note::merged(notes) })
 }
 
 /// Numbers out of range that are looked at.
@@ -142,6 +155,10 @@ struct Reader<'v, 'b> {
     all: Vec<String>,
     /// Which parts were asked for.
     selected: Vec<bool>,
+    /// The use of a mesh that each part belongs to.
+    uses: Vec<Use>,
+    /// Nodes with a camera or a light, where these are read; then broken primitives are notes.
+    others: Option<Vec<(Item<'v>, Affine)>>,
     notes: Vec<Note>,
 }
 
@@ -150,6 +167,7 @@ struct Reader<'v, 'b> {
 struct Place<'v> {
     node: Item<'v>,
     map: Affine,
+    copy: usize,
     chosen: bool,
 }
 
@@ -163,7 +181,59 @@ struct Primitive<'v, 'w> {
     joints: Option<&'w [Affine]>,
 }
 
-impl<'v> Reader<'v, '_> {
+impl<'v, 'b> Reader<'v, 'b> {
+    /// A reader that has read all of the default scene.
+    fn new(
+        document: &Document<'v>,
+        own: Option<&'b [u8]>,
+        size: usize,
+        part: Option<&'v str>,
+        beside: &mut Beside<'_>,
+    ) -> Result<Self, FileError> {
+        let mut reader = Self::open(document, own, size, part, beside)?;
+        reader.run(document)?;
+        Ok(reader)
+    }
+
+    fn open(
+        document: &Document<'v>,
+        own: Option<&'b [u8]>,
+        size: usize,
+        part: Option<&'v str>,
+        beside: &mut Beside<'_>,
+    ) -> Result<Self, FileError> {
+        extensions::required(document)?;
+        let mut notes = Vec::new();
+        extensions::used(document, &mut notes);
+        let own = own.map(|bytes| Box::new(bytes) as accessor::Blob<'_>);
+        let buffers = Buffers::new(document, own, size, &mut |item, path| {
+            let found: accessor::Blob<'_> = beside(path).map_err(|message| FileError::new(item.place(), message))?;
+            Ok(found)
+        })?;
+        faults(document, &mut notes)?;
+        Ok(Self {
+            nodes: document.list("nodes")?,
+            meshes: document.list("meshes")?,
+            skins: document.list("skins")?,
+            maps: None,
+            looks: material::looks(document, &buffers)?,
+            buffers,
+            parts: PARTS,
+            model: Model::default(),
+            known: BTreeMap::new(),
+            shared: BTreeMap::new(),
+            tinted: BTreeMap::new(),
+            skipped: BTreeMap::new(),
+            names: Unique::default(),
+            part,
+            all: Vec::new(),
+            selected: Vec::new(),
+            uses: Vec::new(),
+            others: None,
+            notes,
+        })
+    }
+
     fn run(&mut self, document: &Document<'v>) -> Result<(), FileError> {
         for primitive in self.meshes.iter().flat_map(|mesh| mesh.objects("primitives")) {
             let positions = primitive.inner("attributes").and_then(|attributes| attributes.count("POSITION"));
@@ -200,11 +270,18 @@ impl<'v> Reader<'v, '_> {
     }
 
     fn node(&mut self, node: Item<'v>, map: &Affine, chosen: bool, nodes: &[Item<'v>]) -> Result<(), FileError> {
-        if node.get("camera").is_some() {
-            self.skip(node, "cameras are not read", false);
-        }
-        if node.extension("KHR_lights_punctual").is_some() {
-            self.skip(node, "lights (`KHR_lights_punctual`) are not read", true);
+        let (films, shines) = (node.get("camera").is_some(), node.extension("KHR_lights_punctual").is_some());
+        match &mut self.others {
+            Some(others) if films || shines => others.push((node, *map)),
+            Some(_) => {}
+            None => {
+                if films {
+                    self.skip(node, "cameras are not read", false);
+                }
+                if shines {
+                    self.skip(node, "lights (`KHR_lights_punctual`) are not read", true);
+                }
+            }
         }
         let Some(mesh) = node.link("mesh", &self.meshes)?.copied() else { return Ok(()) };
         for name in [node, mesh].iter().filter_map(|item| item.text("name")).filter(|name| !name.is_empty()) {
@@ -222,8 +299,8 @@ impl<'v> Reader<'v, '_> {
             None => vec![*map],
             Some(own) => nodes::instances(own, &self.buffers)?.iter().map(|place| place.then(map)).collect(),
         };
-        for map in places {
-            self.mesh(mesh, Place { node, map, chosen }, &weights, joints.as_deref())?;
+        for (copy, map) in places.into_iter().enumerate() {
+            self.mesh(mesh, Place { node, map, copy, chosen }, &weights, joints.as_deref())?;
         }
         Ok(())
     }
@@ -235,7 +312,7 @@ impl<'v> Reader<'v, '_> {
         weights: &[f64],
         joints: Option<&[Affine]>,
     ) -> Result<(), FileError> {
-        let Place { node, map, chosen } = place;
+        let Place { node, map, copy, chosen } = place;
         let own = mesh.text("name").unwrap_or("");
         let name = node.text("name").filter(|name| !name.is_empty()).unwrap_or(own);
         for (at, item) in mesh.objects("primitives").enumerate() {
@@ -245,10 +322,17 @@ impl<'v> Reader<'v, '_> {
                 return Err(FileError::new(format!("{}/material", pointer()), "an index points to nothing"));
             }
             let primitive = Primitive { mesh, at, item, material, weights, joints };
-            let made = self.primitive(&primitive).map_err(|error| {
-                let place = if error.place.is_empty() { pointer() } else { error.place };
-                FileError { place, ..error }
-            })?;
+            let made = match self.primitive(&primitive) {
+                Ok(made) => made,
+                Err(error) => {
+                    let place = if error.place.is_empty() { pointer() } else { error.place };
+                    if self.others.is_none() {
+                        return Err(FileError { place, ..error });
+                    }
+                    self.notes.push(Note::dropped(place, format!("a primitive is left out: {}", error.message)));
+                    continue;
+                }
+            };
             let Some(Made { mesh: made, colors, leaves, placed }) = made else { continue };
             if placed && !map.is_invertible() {
                 self.skip(node, "meshes that a node flattens are left out", true);
@@ -272,6 +356,7 @@ impl<'v> Reader<'v, '_> {
             let transform = if placed { map } else { Affine::IDENTITY };
             self.model.parts.push(Part { name: self.names.name(name), mesh: made, surface, transform });
             self.selected.push(chosen || self.part == Some(own));
+            self.uses.push(Use { node: node.at(), copy, mesh: placed.then_some(mesh.at()) });
         }
         Ok(())
     }
