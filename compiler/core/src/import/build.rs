@@ -1,5 +1,7 @@
 //! The Scene in the making: arenas, names that are not used twice, files that are read once.
 
+mod placing;
+
 use std::collections::{HashMap, HashSet};
 
 use super::reader::{Fate, Reader};
@@ -9,7 +11,7 @@ use crate::image::write::Depth;
 use crate::image::{self, Loaded, Loss, Pixels};
 use crate::ir::{
     Affine, Arena, Bsdf, Camera, Color, Documentation, Emission, Encoding, Film, Filter, Group, Handle, Instance,
-    Integrator, LightKind, LightSource, Material, Mesh, Places, Sampler, Scene, Shape, Sides, Texture,
+    Integrator, LightKind, LightSource, Material, Mesh, Sampler, Scene, Shape, Sides, Texture,
 };
 use crate::mesh::{self, Geometry, file as mesh_file};
 
@@ -69,6 +71,9 @@ pub struct Builder {
     triangles: u64,
     /// Shapes and instances.
     placed: u64,
+    /// The largest coordinate of each mesh, and of what is in each group.
+    mesh_reach: HashMap<Handle<Mesh>, f64>,
+    group_reach: HashMap<Handle<Group>, f64>,
 }
 
 /// What a scene is rendered by.
@@ -271,84 +276,6 @@ impl Builder {
         let made = Material { name: plain(name), bsdf, sides };
         let materials = &mut self.materials;
         *self.equal_materials.entry(format!("{made:?}")).or_insert_with(|| materials.push(made, at.clone()))
-    }
-
-    /// A shape of the scene; its name is made unique.
-    pub fn shape(&mut self, reader: &mut Reader<'_>, shape: Shape, at: &Origin) {
-        if let Some(shape) = self.placed(reader, shape, at) {
-            self.shapes.push(shape, at.clone());
-        }
-    }
-
-    /// A shape of a group.
-    pub fn shape_in(&mut self, reader: &mut Reader<'_>, group: &mut Arena<Shape>, shape: Shape, at: &Origin) {
-        if let Some(shape) = self.placed(reader, shape, at) {
-            group.push(shape, at.clone());
-        }
-    }
-
-    /// What can be placed: not what a transform makes flat, or too many.
-    fn placed(&mut self, reader: &mut Reader<'_>, shape: Shape, at: &Origin) -> Option<Shape> {
-        self.placed += 1;
-        if self.placed > reader.limits().instances {
-            let most = reader.limits().instances;
-            let message = format!("there are more than {most} shapes");
-            reader.lost_with(Fate::Dropped, at.clone(), message, "`--limit instances=N` allows more");
-            return None;
-        }
-        if !shape.transform.is_invertible() {
-            reader.lost(Fate::Dropped, at.clone(), "a shape is left out: its transform has no inverse");
-            return None;
-        }
-        let name = self.unique(&shape.name);
-        Some(Shape { name, ..shape })
-    }
-
-    /// A group.
-    pub fn group(&mut self, name: &str, shapes: Arena<Shape>, at: &Origin) -> Handle<Group> {
-        let group = Group { name: plain(name), shapes, instances: Arena::default() };
-        self.groups.push(group, at.clone())
-    }
-
-    /// A group at its place.
-    pub fn instance(&mut self, reader: &mut Reader<'_>, name: &str, group: Handle<Group>, place: Affine, at: &Origin) {
-        self.placed += self.groups[group].shapes.len().max(1) as u64;
-        if self.placed > reader.limits().instances {
-            let most = reader.limits().instances;
-            let message = format!("there are more than {most} shapes");
-            reader.lost_with(Fate::Dropped, at.clone(), message, "`--limit instances=N` allows more");
-        } else if place.is_invertible() {
-            let name = self.unique(name);
-            self.instances.push(Instance { name, group, places: Places::One(place) }, at.clone());
-        } else {
-            reader.lost(Fate::Dropped, at.clone(), "an instance is left out: its transform has no inverse");
-        }
-    }
-
-    /// A group at many places, which have numbers and no names.
-    pub fn instances(
-        &mut self,
-        reader: &mut Reader<'_>,
-        name: &str,
-        group: Handle<Group>,
-        places: Vec<Affine>,
-        at: &Origin,
-    ) {
-        let shapes = self.groups[group].shapes.len().max(1) as u64;
-        self.placed = self.placed.saturating_add(shapes.saturating_mul(places.len() as u64));
-        if self.placed > reader.limits().instances {
-            let most = reader.limits().instances;
-            let message = format!("there are more than {most} shapes");
-            reader.lost_with(Fate::Dropped, at.clone(), message, "`--limit instances=N` allows more");
-        } else if !places.is_empty() {
-            let name = self.unique(name);
-            self.instances.push(Instance { name, group, places: Places::Many(places.into()) }, at.clone());
-        }
-    }
-
-    /// The number of shapes of a group.
-    pub fn shapes_of(&self, group: Handle<Group>) -> usize {
-        self.groups[group].shapes.len()
     }
 
     /// A light; a second environment is left out with a finding.

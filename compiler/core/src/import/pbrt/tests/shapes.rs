@@ -139,3 +139,17 @@ fn mesh_size(read: &Read, at: usize) -> f32 {
     let mesh = &read.scene().meshes[read.shape(at).mesh];
     mesh.positions.iter().flatten().fold(0.0, |most: f32, x| most.max(*x))
 }
+
+#[test]
+fn what_lies_out_of_range_is_left_out() {
+    let triangle = "Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0]";
+    let text = format!(
+        "{triangle} AttributeBegin Translate 4e38 0 0 {triangle} AttributeEnd ObjectBegin \"o\" {triangle} ObjectEnd \
+         AttributeBegin Scale 1e30 1e30 1e30 Scale 1e30 1e30 1e30 ObjectInstance \"o\" AttributeEnd ObjectInstance \"o\""
+    );
+    let read = only(&text);
+    let out = "it lies out of the range of single precision";
+    assert!(read.says(3, "loss-dropped", &format!("a shape is left out: {out}")), "{:?}", read.said());
+    assert!(read.says(3, "loss-dropped", &format!("an instance is left out: {out}")), "{:?}", read.said());
+    assert_eq!((read.scene().shapes.len(), read.scene().instances.len()), (1, 1));
+}
