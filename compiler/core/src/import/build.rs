@@ -1,7 +1,5 @@
 //! The Scene in the making: arenas, names that are not used twice, files that are read once.
 
-mod placing;
-
 use std::collections::{HashMap, HashSet};
 
 use super::reader::{Fate, Reader};
@@ -53,13 +51,13 @@ const NAMED: usize = 1 << 20;
 /// A scene in the making.
 #[derive(Default)]
 pub struct Builder {
-    meshes: Arena<Mesh>,
+    pub(super) meshes: Arena<Mesh>,
     textures: Arena<Texture>,
     materials: Arena<Material>,
-    shapes: Arena<Shape>,
+    pub(super) shapes: Arena<Shape>,
     lights: Arena<LightSource>,
-    groups: Arena<Group>,
-    instances: Arena<Instance>,
+    pub(super) groups: Arena<Group>,
+    pub(super) instances: Arena<Instance>,
     cameras: Arena<Camera>,
     known_meshes: HashMap<Wanted, KnownMesh>,
     known_textures: HashMap<TextureKey, Option<Handle<Texture>>>,
@@ -70,10 +68,10 @@ pub struct Builder {
     asked: HashMap<String, u64>,
     triangles: u64,
     /// Shapes and instances.
-    placed: u64,
+    pub(super) placed: u64,
     /// The largest coordinate of each mesh, and of what is in each group.
-    mesh_reach: HashMap<Handle<Mesh>, f64>,
-    group_reach: HashMap<Handle<Group>, f64>,
+    pub(super) mesh_reach: HashMap<Handle<Mesh>, f64>,
+    pub(super) group_reach: HashMap<Handle<Group>, f64>,
 }
 
 /// What a scene is rendered by.
@@ -397,7 +395,7 @@ impl Builder {
 }
 
 /// A name as the Scene has them: short, without control characters.
-fn plain(name: &str) -> String {
+pub(super) fn plain(name: &str) -> String {
     let name: String = name.chars().filter(|c| !c.is_control()).take(200).collect();
     if name.trim().is_empty() { "unnamed".to_owned() } else { name }
 }

@@ -9,6 +9,7 @@ mod gltf;
 mod metals;
 pub mod mitsuba;
 pub mod pbrt;
+mod placing;
 mod reader;
 
 use std::collections::BTreeMap;

@@ -73,7 +73,7 @@ fn scene(reader: &mut Reader<'_>, path: &VPath, bytes: &[u8]) -> Result<Scene, F
     view::cameras(&document, &others, path, (&mut settings.film, sized), reader, &mut to)?;
     light::add(&document, &others, path, of_ltsc, reader, &mut to)?;
     if to.cameras() == 0 {
-        reader.lost(Fate::Dropped, start.clone(), "the scene has no camera: one is put before it");
+        reader.lost(Fate::Approximated, start.clone(), "the scene has no camera: one is put before it");
         to.stand_back(start.clone());
     }
     if !to.shines() {

@@ -72,7 +72,7 @@ fn read(reader: &mut Reader<'_>, path: &VPath) -> Option<Scene> {
     }
     if to.cameras() == 0 {
         let message = "the scene has no camera: one is put before it";
-        reader.lost(Fate::Dropped, whole.start, message);
+        reader.lost(Fate::Approximated, whole.start, message);
         to.stand_back(whole.start.into());
     }
     Some(to.finish(name_of(path), whole.start.into(), settings))

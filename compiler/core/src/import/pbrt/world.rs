@@ -215,7 +215,7 @@ impl<'r, 'f> World<'r, 'f> {
         }
         let begin = self.begin;
         if self.to.cameras() == 0 {
-            self.reader.lost(Fate::Dropped, begin, "the scene has no camera: one is put before it");
+            self.reader.lost(Fate::Approximated, begin, "the scene has no camera: one is put before it");
             self.to.stand_back(begin.into());
         }
         let settings = self.wanted.settings();

@@ -78,7 +78,7 @@ fn other_cameras_and_none_are_findings() {
     assert!(read.says(2, "loss-dropped", "the camera `realistic`"), "{:?}", read.said());
     assert_eq!(read.camera().fov_x.round(), 58.0);
     let read = super::read("WorldBegin\nShape \"sphere\"");
-    assert!(read.says(1, "loss-dropped", "no camera"), "{:?}", read.said());
+    assert!(read.says(1, "loss-approximated", "no camera"), "{:?}", read.said());
     assert_eq!(read.scene().cameras.len(), 1);
     let read = head("Camera \"perspective\"\nScale 1 1 0 Camera \"perspective\"");
     assert!(read.says(3, "loss-dropped", "a second camera"));

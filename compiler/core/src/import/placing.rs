@@ -1,8 +1,8 @@
 //! Shapes, groups and instances at their places: not too many, and each where numbers can say it is.
 
-use super::{Builder, plain};
+use super::build::{Builder, plain};
+use super::reader::{Fate, Reader};
 use crate::diag::Origin;
-use crate::import::reader::{Fate, Reader};
 use crate::ir::{Affine, Arena, Group, Handle, Instance, Places, Shape};
 
 /// A bound of the coordinates of what reaches so far, after a map.
