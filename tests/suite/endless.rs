@@ -165,7 +165,7 @@ fn loops_end(values: &str, steps: u64, both: bool) {
 fn no_built_in_runs_without_end() {
     let values = VALUES.replace("0..3999", "0..999");
     assert_ne!(values, VALUES);
-    loops_end(&values, 5_000, false);
+    loops_end(&values, 2_000, false);
 }
 
 #[test]

@@ -14,7 +14,7 @@ use crate::formats::shared::text::{self, Head, Line};
 use crate::formats::{self, Emission};
 use crate::ir::{
     Affine, Axes, Bsdf, Camera, Color, ColorOrTexture, Emission as Light, Encoding, Film, Filter, Group, Instance,
-    Integrator, LightKind, LightSource, Material, Sampler, Scene, Shape, Sides, Texture, Vec3, cross, normalized, sub,
+    Integrator, LightKind, LightSource, Material, Sampler, Scene, Shape, Texture, Vec3, cross, normalized, sub,
 };
 
 /// Writes all files of the target.
@@ -103,13 +103,10 @@ fn description(emission: &Emission<'_>, out: &mut dyn Write) -> io::Result<()> {
     }
     let materials = Words::default().assign(scene.materials.values().map(|material| material.name.as_str()));
     for (item, id) in scene.materials.values().zip(&materials) {
-        let Material { name, bsdf, sides } = item;
+        let Material { name, bsdf, sides: _ } = item;
         comment(name, id, out)?;
         let surface = surface(bsdf, &textures);
-        let surface = match sides {
-            Sides::Both => surface,
-            Sides::Front => format!("one_sided({surface})"),
-        };
+        let surface = if item.is_one_sided() { format!("one_sided({surface})") } else { surface };
         writeln!(out, "material({}, {surface})", literal(id))?;
     }
     let files = formats::mesh_files(scene);

@@ -5,7 +5,7 @@ use super::document as doc;
 use super::names::{self, textures};
 use crate::formats;
 use crate::formats::shared::coat::Coat;
-use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Emission as Light, Material, Mesh, Scene, Sides};
+use crate::ir::{Affine, Bsdf, Color, ColorOrTexture, Emission as Light, Material, Mesh, Scene};
 
 /// The grey by which it is said how a coat changes an image.
 const GREY: f64 = 0.5;
@@ -32,7 +32,7 @@ fn paint(scene: &Scene, value: &ColorOrTexture) -> ([f64; 3], Option<doc::Textur
 
 /// What stands for `material` on a surface that emits `emission`, on a mesh of `thickness`.
 pub fn material(scene: &Scene, material: &Material, emission: Option<&Light>, thickness: f64) -> doc::Material {
-    let Material { name, bsdf, sides } = material;
+    let Material { name, bsdf, sides: _ } = material;
     let mut extensions = doc::Extensions::default();
     let opaque = |[r, g, b]: [f64; 3], metallic_factor, roughness_factor| doc::Metallic {
         base_color_factor: [r, g, b, 1.0],
@@ -92,7 +92,7 @@ pub fn material(scene: &Scene, material: &Material, emission: Option<&Light>, th
         pbr_metallic_roughness,
         emissive_factor,
         // A double-sided emitter would emit on both sides.
-        double_sided: two_sided && *sides == Sides::Both && emission.is_none(),
+        double_sided: two_sided && !material.is_one_sided() && emission.is_none(),
         extensions,
     }
 }

@@ -15,7 +15,7 @@ use crate::formats::shared::text::{self, Head, Line, Quoted};
 use crate::formats::{self, Emission};
 use crate::ir::{
     Affine, Bsdf, Camera, Color, ColorOrTexture, Emission as Light, Encoding, Film, Filter, Instance, Integrator,
-    LightKind, LightSource, Material, Sampler, Scene, Shape, Sides, Texture,
+    LightKind, LightSource, Material, Sampler, Scene, Shape, Texture,
 };
 
 /// Writes all files of the target.
@@ -237,14 +237,9 @@ fn paint(value: &ColorOrTexture, textures: &[String]) -> String {
 }
 
 /// A material under an id. One that is black from behind is made of two others.
-fn sided(
-    Material { name: _, bsdf, sides }: &Material,
-    id: &str,
-    words: &mut Words,
-    textures: &[String],
-    out: &mut dyn Write,
-) -> io::Result<()> {
-    if *sides == Sides::Both || bsdf.is_clear() {
+fn sided(one: &Material, id: &str, words: &mut Words, textures: &[String], out: &mut dyn Write) -> io::Result<()> {
+    let Material { name: _, bsdf, sides: _ } = one;
+    if !one.is_one_sided() {
         return material(bsdf, id, textures, out);
     }
     let [front, back] =

@@ -16,7 +16,7 @@ use crate::formats::shared::text::{self, Head, Xml, XmlComment};
 use crate::formats::{self, Emission};
 use crate::ir::{
     Affine, Bsdf, Camera, Color, ColorOrTexture, Emission as Light, Encoding, Film, Filter, Group, Instance,
-    Integrator, LightKind, LightSource, Material, Mesh, Sampler, Scene, Shape, Sides, Texture, sub,
+    Integrator, LightKind, LightSource, Material, Mesh, Sampler, Scene, Shape, Texture, sub,
 };
 
 /// Writes all files of the target.
@@ -400,14 +400,9 @@ fn paint(out: &mut dyn Write, depth: usize, name: &str, value: &ColorOrTexture, 
 }
 
 /// A material within `twosided`, without which a reflecting surface is black from behind.
-fn material(
-    names: &Names,
-    Material { name: _, bsdf, sides }: &Material,
-    id: &str,
-    textures: &[String],
-    out: &mut dyn Write,
-) -> io::Result<()> {
-    if bsdf.is_clear() || *sides == Sides::Front {
+fn material(names: &Names, material: &Material, id: &str, textures: &[String], out: &mut dyn Write) -> io::Result<()> {
+    let Material { name: _, bsdf, sides: _ } = material;
+    if bsdf.is_clear() || material.is_one_sided() {
         return scattering(names, bsdf, (1, Some(id)), textures, out);
     }
     writeln!(out, "\t<bsdf type=\"twosided\" id=\"{id}\">")?;
