@@ -89,6 +89,17 @@ fn maps(mut browser: Browser, stage: &Stage, index: &Path) {
     let found = browser.floats("ltsc.draw.values(false).then((v) => v.numbers)");
     let found: Vec<[f32; 3]> = found.chunks_exact(4).map(|four| [four[0], four[1], four[2]]).collect();
     assert_eq!(found, b.pixels);
+    // A program that is not taken, as old drivers do: the processor draws and reads from then on.
+    let works =
+        browser.text("(ltsc.kept = ltsc.fragment, ltsc.fragment = () => 'no program', ltsc.errors.length.toString())");
+    assert_eq!(works, "0");
+    let wanted = (MAPS[1].measure)(&pair).expect("values");
+    // No other drawing has had so many samples of a pixel of the screen.
+    browser.eval("ltsc.state.set({ zoom: 0.15 })");
+    compare(&mut browser, MAPS[1].name, &wanted, false);
+    assert_eq!(browser.eval("ltsc.gpu.start()"), false);
+    assert!(browser.text("ltsc.errors[0]").starts_with("WebGL: "));
+    browser.eval("ltsc.fragment = ltsc.kept; ltsc.errors.length = 0");
     quiet(&mut browser);
 }
 

@@ -260,6 +260,12 @@ pub const DEFECTS: &[Defect] = &[
         "shape block = box(size: 2) |> translate@ with plastic(0.5, alpha: 0.1)"
     ),
     beside!(
+        "a surface that is black from behind",
+        ["one-sided-surface"],
+        [],
+        "shape screen = rectangle(x: -1..1, z: -1..1, y: 0, normal: -Y) |> translate@ with one_sided(diffuse(0.5))"
+    ),
+    beside!(
         "a color that screens cannot show",
         ["out-of-gamut"],
         [],

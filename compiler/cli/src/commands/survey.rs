@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use ltsc_core::diag::{Finding, Severity};
 use ltsc_core::eval::Overrides;
 use ltsc_core::import::IMPORTERS;
-use ltsc_core::ir::{Filter, Scene};
+use ltsc_core::ir::{Filter, LightKind, Scene};
 use ltsc_core::pipeline;
 use ltsc_evaluation::disk::Changed;
 use serde_json::{Value, json};
@@ -153,12 +153,14 @@ fn constructs(scene: &Scene) -> BTreeSet<&'static str> {
     let surfaces = scene.surfaces().map(|(_, shape)| if shape.emission.is_some() { "area light" } else { "surface" });
     let mut all: BTreeSet<&'static str> = surfaces.collect();
     all.extend(scene.surfaces().map(|(_, shape)| scene.materials[shape.material].bsdf.kind()));
-    all.extend(scene.lights.values().map(|light| match light.kind.word() {
-        "environment" if light.kind.texture().is_some() => "environment image",
-        "environment" => "environment",
-        "point" => "point light",
-        "spot" => "spot light",
-        _ => "directional light",
+    let one_sided = scene.surfaces().any(|(_, shape)| scene.materials[shape.material].is_one_sided());
+    all.extend(one_sided.then_some("surface that is black from behind"));
+    all.extend(scene.lights.values().map(|light| match &light.kind {
+        LightKind::Environment { .. } if light.kind.texture().is_some() => "environment image",
+        LightKind::Environment { .. } => "environment",
+        LightKind::Point { .. } => "point light",
+        LightKind::Spot { .. } => "spot light",
+        LightKind::Directional { .. } => "directional light",
     }));
     all.extend((!scene.textures.is_empty()).then_some("image"));
     all.extend((!scene.instances.is_empty()).then_some("instances"));

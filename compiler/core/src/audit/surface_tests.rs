@@ -418,3 +418,53 @@ fn images_of_materials() {
         each(scene.clone(), target, rows);
     }
 }
+
+#[test]
+fn sides_are_compared_wherever_a_format_has_them() {
+    let mut scene = sample::room();
+    for (_, material) in scene.materials.iter_mut().filter(|(_, one)| !one.bsdf.is_clear()) {
+        material.sides = crate::ir::Sides::Front;
+    }
+    let black = scene.materials.values().filter(|one| one.bsdf.is_black()).count();
+    assert!(black > 0 && black < scene.materials.len(), "some are black, which has no sides");
+    let scene = validate(crate::lower::lower(scene).0).expect("a valid scene");
+    let find = |name: &str| formats::find(name).expect("a target");
+    for target in formats::TARGETS.iter().filter(|target| target.import.is_some()) {
+        let audit = audited(&scene, target, &written(&scene, target));
+        assert_eq!(said(&audit), Vec::<String>::new(), "{}", target.name);
+    }
+    // What is changed in a file is seen: the shape gets one side alone, the front has two, the back is no longer black.
+    let edits = [
+        ("luxcore", ".material = \"", "_back\"", "is one side of another material"),
+        ("luxcore", "\"twosided\"", "\"matte\"", ""),
+        ("luxcore", "_back.kd = 0 0 0", "_back.kd = 0.5 0.5 0.5", "a back that is not black"),
+        ("cycles", "one_sided(", "(", ""),
+        ("cycles", "one_sided(diffuse(", "one_sided(mirror(", ""),
+    ];
+    for (name, from, to, words) in edits {
+        let target = find(name);
+        let mut files = written(&scene, target);
+        let mut changed = false;
+        for bytes in files.values_mut() {
+            let Ok(text) = std::str::from_utf8(bytes) else { continue };
+            let Some(at) = text.find(from) else { continue };
+            let mut text = text.to_owned();
+            if to == "_back\"" {
+                let end = at + from.len();
+                let close = end + text[end..].find('"').expect("a name");
+                if !text.contains(&format!("scene.materials.{}_back.", &text[end..close])) {
+                    continue;
+                }
+                text.replace_range(close..=close, to);
+            } else {
+                text.replace_range(at..at + from.len(), to);
+            }
+            *bytes = text.into_bytes();
+            changed = true;
+            break;
+        }
+        assert!(changed, "{name}: {from}");
+        let found = said(&audited(&scene, target, &files));
+        assert!(!found.is_empty() && found.iter().any(|line| line.contains(words)), "{name}, {from}: {found:?}");
+    }
+}

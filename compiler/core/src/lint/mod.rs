@@ -30,6 +30,7 @@ mod non_unit_normals;
 mod nothing_in_view;
 mod odd_field_of_view;
 mod one_sided_similar;
+mod one_sided_surface;
 mod open_dielectric;
 mod out_of_gamut;
 mod out_of_range_distance;
@@ -238,6 +239,7 @@ pub static RULES: &[Rule] = &[
     nothing_in_view::RULE,
     odd_field_of_view::RULE,
     one_sided_similar::RULE,
+    one_sided_surface::RULE,
     open_dielectric::RULE,
     out_of_gamut::RULE,
     out_of_range_distance::RULE,

@@ -16,15 +16,6 @@ pub(super) const RULE: Rule = Rule {
 fn check(subject: &Subject<'_>, report: &mut Report) {
     let scene = subject.scene;
     for (handle, material) in scene.materials.iter() {
-        if material.is_one_sided() {
-            report.add(
-                scene.materials.origin(handle),
-                format!("the material `{}` is black from behind, which not every renderer can say", material.name),
-                "no basic material",
-                "images of different renderers cannot be compared where a back is seen; `ltsc explain --target NAME` says what stands for it",
-                "leave out `one_sided` where no path meets the back".to_owned(),
-            );
-        }
         let word = match &material.bsdf {
             Bsdf::Plastic { reflectance: _, ior: _, alpha: _ } => "plastic",
             Bsdf::Principled { base: _, metallic: _, roughness: _, ior: _ } => "principled",

@@ -9,9 +9,7 @@ pub(super) fn check(scene: &Scene, findings: &mut Vec<Finding>) {
     for (handle, Material { name, bsdf, sides }) in scene.materials.iter() {
         let mut checker = Checker { name, origin: scene.materials.origin(handle), findings };
         if *sides == Sides::Front && bsdf.is_clear() {
-            let message =
-                format!("the material `{name}` is a dielectric, which has no sides, and scatters on one side only");
-            checker.findings.push(Finding::error("invalid-scene", checker.origin.clone(), message));
+            checker.wrong("it is a dielectric, which has no sides, and scatters light on one side only");
         }
         match bsdf {
             Bsdf::Diffuse { reflectance } => {
@@ -77,9 +75,12 @@ impl Checker<'_> {
 
     fn fault(&mut self, what: &str, value: Option<f64>, range: &str) {
         if let Some(value) = value {
-            let name = self.name.escape_debug();
-            let message = format!("material `{name}`: the {what} is {value}, it must be {range} and at most 1e30");
-            self.findings.push(Finding::error("invalid-material", self.origin.clone(), message));
+            self.wrong(&format!("the {what} is {value}, it must be {range} and at most 1e30"));
         }
+    }
+
+    fn wrong(&mut self, what: &str) {
+        let message = format!("material `{}`: {what}", self.name.escape_debug());
+        self.findings.push(Finding::error("invalid-material", self.origin.clone(), message));
     }
 }

@@ -2,6 +2,8 @@
 //!
 //! Every property is either understood, or a finding with its line.
 
+use std::collections::HashSet;
+
 use super::names;
 use super::properties::{Property, Said, Things, lines, string};
 use super::scatter;
@@ -265,13 +267,15 @@ fn description(text: Text<'_>, source: &mut Source<'_>, reading: &mut Reading) {
         thing.finish(to);
         reading.materials.push(Surface { name: thing.id.to_owned(), model, two_sided: !one_sided });
     }
+    let mut parts = HashSet::new();
     for (at, sides) in sides {
         let Some([front, back]) = sides else { continue };
+        parts.extend([front, back]);
         if !matches!(&reading.materials[back].model, Model::Diffuse { reflectance: Paint::Color([0.0, 0.0, 0.0]) }) {
             to.say(SYNTAX, materials.all[at].place("backmaterial"), "a back that is not black is not read");
         }
         reading.materials[at].model = reading.materials[front].model.clone();
-        // They are parts of it, and stand for nothing else.
+        // They are parts of it, and no surface is made of them alone.
         reading.materials[back] =
             Surface { name: reading.materials[back].name.clone(), ..reading.materials[at].clone() };
     }
@@ -296,6 +300,10 @@ fn description(text: Text<'_>, source: &mut Source<'_>, reading: &mut Reading) {
         let transform = placed(thing, to);
         let (found, used) = (shapes.place(shape), materials.place(material));
         match (found, used) {
+            (_, Some(part)) if parts.contains(&part) => {
+                let message = format!("`{}` is one side of another material", shown(material));
+                to.say(REFERENCE, thing.place("material"), message);
+            }
             (Some(shape), Some(material)) => {
                 if let Some(mesh) = sources[shape] {
                     let name = thing.id.to_owned();

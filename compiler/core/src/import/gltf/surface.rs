@@ -96,7 +96,10 @@ impl<'p> Surfaces<'p> {
             reader.lost(Fate::Dropped, here.clone(), format!("not read of materials: {what}"));
         }
         let glass = matches!(surface.scatter, Scatter::Glass { ior: _, alpha: _ });
-        if !two_sided && surface.emission.is_none() && !glass && !self.of_ltsc {
+        // What ltsc writes of a lamp has no `doubleSided` either, whatever its surface is.
+        let front = !two_sided && surface.emission.is_none() && !glass;
+        let sides = if front && self.of_ltsc { Sides::Front } else { Sides::Both };
+        if front && !self.of_ltsc {
             let message = "surfaces that are not drawn from behind scatter light on both sides";
             reader.lost(Fate::Approximated, here.clone(), message);
         }
@@ -131,10 +134,7 @@ impl<'p> Surfaces<'p> {
             held
         });
         let name = if surface.name.is_empty() { bsdf.word() } else { &surface.name };
-        (
-            to.material(name, bsdf, Sides::Both, &here),
-            emission.and_then(|radiance| Builder::emission(plain_color(radiance))),
-        )
+        (to.material(name, bsdf, sides, &here), emission.and_then(|radiance| Builder::emission(plain_color(radiance))))
     }
 
     fn texture(

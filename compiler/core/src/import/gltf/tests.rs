@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use crate::diag::{Finding, Origin, Severity, Sources};
 use crate::files::{MemoryFiles, VPath};
 use crate::import::{Imported, Options, find, import};
-use crate::ir::{Bsdf, LightKind, Places, Scene, cross, dot, sub};
+use crate::ir::{Bsdf, LightKind, Places, Scene, Sides, cross, dot, sub};
 
 /// A triangle in the plane z = 0 of the file, facing +z there, which is -y here; as text.
 fn document(more: Value) -> Value {
@@ -288,4 +288,17 @@ proptest! {
             None => prop_assert!(findings.iter().any(|finding| finding.severity == Severity::Error)),
         }
     }
+}
+
+#[test]
+fn what_ltsc_writes_without_a_back_is_black_from_behind() {
+    let sides = |generator: &str| {
+        let asset = json!({"version": "2.0", "generator": generator});
+        let (scene, findings) = read(json!({"asset": asset, "materials": [{"doubleSided": false}]}));
+        let told = says(&findings, "loss-approximated", "/materials/0", "not drawn from behind");
+        (scene.materials.values().next().expect("a material").sides, told)
+    };
+    assert_eq!(sides("ltsc"), (Sides::Front, false));
+    // Elsewhere it is not drawn at all, which no scene says.
+    assert_eq!(sides("a program"), (Sides::Both, true));
 }

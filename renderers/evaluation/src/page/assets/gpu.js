@@ -5,6 +5,7 @@
   let gl = null;
   let canvas = null;
   let vertex = null;
+  let broken = false;
   const programs = new Map();
   const textures = new Map();
   const maps = new Map();
@@ -39,8 +40,16 @@
     return programs.get(key);
   }
 
+  /** From now on the processor draws. */
+  function give_up(error) {
+    ltsc.errors.push(`WebGL: ${error}`);
+    broken = true;
+    gl = null;
+  }
+
   /** Makes the context; false where there is none, or it cannot do what is needed. */
   function start() {
+    if (broken) return false;
     if (gl) return !gl.isContextLost();
     try {
       canvas = ltsc.el("canvas", {});
@@ -57,8 +66,7 @@
       });
       return true;
     } catch (error) {
-      ltsc.errors.push(`WebGL: ${error}`);
-      gl = null;
+      give_up(error);
       return false;
     }
   }
@@ -168,7 +176,13 @@
   function draw(context, job) {
     if (canvas.width < job.width) canvas.width = job.width;
     if (canvas.height < job.height) canvas.height = job.height;
-    prepare(job);
+    try {
+      prepare(job);
+    } catch (error) {
+      give_up(error);
+      ltsc.cpu.draw(context, job);
+      return;
+    }
     gl.viewport(0, 0, job.width, job.height);
     gl.disable(gl.BLEND);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
@@ -184,7 +198,13 @@
     const buffer = gl.createFramebuffer();
     gl.bindFramebuffer(gl.FRAMEBUFFER, buffer);
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, target, 0);
-    prepare({ ...job, raw: true });
+    // Last: a texture that is made takes the place of one that is bound.
+    try {
+      prepare({ ...job, raw: true });
+    } catch (error) {
+      give_up(error);
+      return null;
+    }
     gl.viewport(0, 0, width, height);
     gl.drawArrays(gl.TRIANGLES, 0, 3);
     const out = new Float32Array(4 * width * height);
