@@ -12,14 +12,19 @@ use crate::survey::{Bounds, Placed, Survey};
 /// Boxes and triangles that are looked at before pairs are left out. Some ten seconds.
 const BUDGET: u64 = 1_000_000_000;
 
-/// The most pairs of uses that are kept, in 32 MiB.
-const PAIRS: usize = 1 << 22;
+/// How much is kept.
+#[derive(Clone, Copy, Debug)]
+pub struct Most {
+    /// Pairs of uses, of each kind.
+    pub pairs: usize,
+    /// So many pairs more than those are counted.
+    pub counted: usize,
+    /// Contacts.
+    pub contacts: usize,
+}
 
-/// So many pairs more than those are counted.
-const UNCOUNTED: usize = 1 << 24;
-
-/// The most contacts that are kept, in about as much.
-const CONTACTS: usize = 1 << 19;
+/// 32 MiB of pairs, and about as much of contacts.
+const MOST: Most = Most { pairs: 1 << 22, counted: 1 << 24, contacts: 1 << 19 };
 
 /// A mesh of so many triangles is scanned whenever it is asked for.
 const SMALL: usize = 256;
@@ -89,6 +94,7 @@ pub(super) struct Search<'s> {
     known: QuickMap<Pose, Found>,
     looked: u64,
     budget: u64,
+    most: Most,
 }
 
 impl<'s> Search<'s> {
@@ -117,6 +123,7 @@ impl<'s> Search<'s> {
             known: QuickMap::default(),
             looked: 0,
             budget: BUDGET,
+            most: MOST,
         }
     }
 
@@ -124,6 +131,13 @@ impl<'s> Search<'s> {
     #[cfg(test)]
     pub fn with_budget(mut self, budget: u64) -> Self {
         self.budget = budget;
+        self
+    }
+
+    /// Keeps less.
+    #[cfg(test)]
+    pub fn with_most(mut self, most: Most) -> Self {
+        self.most = most;
         self
     }
 
@@ -145,6 +159,7 @@ impl<'s> Search<'s> {
         let (mut pairs, mut alike): (Vec<[u32; 2]>, Vec<[u32; 2]>) = (Vec::new(), Vec::new());
         let own = (0..placed.len()).filter(|at| self.roles[*at] == Role::Dielectric);
         pairs.extend(own.map(|at| [at as u32; 2]));
+        let most = self.most;
         let tree = Tree::of(placed.len(), |at| grown[at]);
         self.looked += tree.each_pair(
             |at| grown[at],
@@ -154,13 +169,13 @@ impl<'s> Search<'s> {
                     return true;
                 }
                 let into = if same { &mut alike } else { &mut pairs };
-                if into.len() < PAIRS {
+                if into.len() < most.pairs {
                     into.push([one as u32, other as u32]);
                 } else {
                     contacts.left_out += 1;
                 }
                 // So many more are not even counted.
-                contacts.uncounted = contacts.left_out >= UNCOUNTED;
+                contacts.uncounted = contacts.left_out >= most.counted;
                 !contacts.uncounted
             },
         );
@@ -208,7 +223,7 @@ impl<'s> Search<'s> {
     }
 
     fn contact(&mut self, uses: [usize; 2], region: Bounds, contacts: &mut Contacts) {
-        if self.looked > self.budget || contacts.found.len() == CONTACTS {
+        if self.looked > self.budget || contacts.found.len() == self.most.contacts {
             contacts.left_out += 1;
             return;
         }

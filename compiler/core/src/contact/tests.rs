@@ -127,6 +127,23 @@ fn work_is_limited() {
 }
 
 #[test]
+fn what_is_kept_of_many_in_one_place_is_limited() {
+    let scene = scene("for i in 0..59 { shape card = rectangle(x: 0..1, y: 0..1, z: 1, normal: Z) with glass }");
+    let survey = Survey::of(&scene);
+    let all = 60 * 59 / 2;
+    let kept = |pairs, counted, contacts| {
+        let found = search::Search::of(&survey).with_most(search::Most { pairs, counted, contacts }).run();
+        (found.found.len(), found.left_out, found.uncounted)
+    };
+    assert_eq!(kept(all + 60, all, all + 60), (all, 0, false));
+    // 60 of the pairs that are kept are those of each card with itself, which are looked at and touch nothing.
+    assert_eq!(kept(160, all, all), (100, all - 100, false));
+    assert_eq!(kept(all + 60, all, 20).0, 20);
+    let (found, left_out, uncounted) = kept(160, 200, all);
+    assert!(found == 100 && uncounted && (200..all - 100).contains(&left_out), "{found}, {left_out}");
+}
+
+#[test]
 fn large_meshes_wait_for_small_ones() {
     let text = "shape one = sphere(center: (0, 0, 3), radius: 1, segments: 100, rings: 50) with glass
         shape two = sphere(center: (0.5, 0, 3), radius: 1, segments: 100, rings: 50) with glass
