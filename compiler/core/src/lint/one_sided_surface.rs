@@ -3,7 +3,7 @@
 
 use std::collections::BTreeMap;
 
-use super::{Level, Report, Rule, Subject, also_once, plural};
+use super::{Level, Report, Rule, Subject, also_once};
 
 pub(super) const RULE: Rule = Rule {
     id: "one-sided-surface",
@@ -30,7 +30,8 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
     let name = &scene.materials[*material].name;
     let more = match open.len() - 1 {
         0 => String::new(),
-        more => format!(", and so are {} more", plural(more, "material")),
+        1 => ", and so is another one".to_owned(),
+        more => format!(", and so are {more} others"),
     };
     let finding = report.add(
         scene.materials.origin(*material),
