@@ -5,7 +5,8 @@ use std::io::ErrorKind;
 use std::net::TcpStream;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 use std::time::{Duration, Instant};
 
 use base64::Engine as _;
@@ -26,11 +27,23 @@ pub struct Browser {
     /// The page in Firefox; nothing in Chromium.
     firefox: Option<String>,
     _profile: tempfile::TempDir,
-    /// One at a time: each draws with all processors.
-    _alone: MutexGuard<'static, ()>,
+    /// Few at a time: each draws with all processors.
+    _seat: MutexGuard<'static, ()>,
 }
 
-static ALONE: Mutex<()> = Mutex::new(());
+static SEATS: [Mutex<()>; 2] = [const { Mutex::new(()) }; 2];
+
+/// A free one, else the first that is given up.
+fn seat() -> MutexGuard<'static, ()> {
+    static NEXT: AtomicUsize = AtomicUsize::new(0);
+    let free = SEATS.iter().find_map(|seat| match seat.try_lock() {
+        Ok(seat) => Some(seat),
+        Err(TryLockError::Poisoned(seat)) => Some(seat.into_inner()),
+        Err(TryLockError::WouldBlock) => None,
+    });
+    let next = NEXT.fetch_add(1, Ordering::Relaxed) % SEATS.len();
+    free.unwrap_or_else(|| SEATS[next].lock().unwrap_or_else(PoisonError::into_inner))
+}
 
 /// A program, where the system has it by one of these names, or the variable names it.
 pub fn program(variable: &str, names: &[&str]) -> Option<PathBuf> {
@@ -110,10 +123,10 @@ impl Browser {
             skip(test, "Firefox and Xvfb");
             return None;
         };
-        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let seat = seat();
         let profile = tempfile::tempdir().expect("a folder");
         let (children, wire, page) = firefox::start(&programs, profile.path(), size);
-        Some(Self { children, wire, firefox: Some(page), _profile: profile, _alone: alone })
+        Some(Self { children, wire, firefox: Some(page), _profile: profile, _seat: seat })
     }
 
     /// Chromium with a window of this size; nothing, and a word about it, where there is none.
@@ -123,7 +136,7 @@ impl Browser {
             skip(test, "Chromium");
             return None;
         };
-        let alone = ALONE.lock().unwrap_or_else(PoisonError::into_inner);
+        let seat = seat();
         let profile = tempfile::tempdir().expect("a folder");
         let child = Command::new(program)
             .args(["--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
@@ -148,7 +161,7 @@ impl Browser {
             Some((port.parse().ok()?, path.trim().to_owned()))
         });
         let wire = Wire::connect(port, &path);
-        let mut browser = Self { children: vec![child], wire, firefox: None, _profile: profile, _alone: alone };
+        let mut browser = Self { children: vec![child], wire, firefox: None, _profile: profile, _seat: seat };
         let target = browser.send("Target.createTarget", json!({ "url": "about:blank" }));
         let attached =
             browser.send("Target.attachToTarget", json!({ "targetId": target["targetId"], "flatten": true }));

@@ -90,7 +90,7 @@ fn prepare(state: State, folder: &Path, old: &Path) {
 /// At a few random moments, in each state of the folder.
 #[test]
 fn a_killed_build_leaves_the_old_or_the_new_and_the_next_one_goes_on() {
-    kill_builds(9, 0x2545_f491_4f6c_dd1d);
+    kill_builds(6, 0x2545_f491_4f6c_dd1d);
 }
 
 /// At more of them; at 1000 with `LTSC_THOROUGH`.

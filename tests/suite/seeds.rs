@@ -14,8 +14,8 @@ const SEEDS: [u32; 5] = [0, 1, 2, 101, 300];
 /// Those of pbrt-r3, which renders an image more for each.
 const FEW: [u32; 5] = [0, 1, 2, 3, 5];
 
-/// Cycles takes two seconds to start, and pbrt-r3 renders ten images.
-const SLOW: [&str; 2] = ["cycles", "pbrt-r3"];
+/// Cycles and LuxCore take a second or two to start, and pbrt-r3 renders ten images.
+const SLOW: [&str; 3] = ["cycles", "luxcore", "pbrt-r3"];
 
 #[test]
 fn seeds_change_the_noise_and_not_the_image() {
@@ -23,7 +23,7 @@ fn seeds_change_the_noise_and_not_the_image() {
 }
 
 #[test]
-#[ignore = "long: Cycles starts five times"]
+#[ignore = "long: ten slow starts"]
 fn seeds_change_the_noise_and_not_the_image_in_slow_renderers() {
     seeds(|name| SLOW.contains(&name));
 }
