@@ -198,8 +198,17 @@ fn a_folder_of_scenes_is_surveyed() {
     let ran = survey(&[]);
     assert_eq!(ran.code, Some(0), "{}", ran.err);
     assert!(ran.out.contains("5 scenes (4 mitsuba, 1 pbrt), and 1 file that they include"), "{}", ran.out);
-    assert!(ran.out.contains("2 of 5 (40 %) convert"), "{}", ran.out);
+    assert!(ran.out.contains("2 of 5 scenes (40 %) convert"), "{}", ran.out);
+    assert!(!ran.out.contains("not there"), "{}", ran.out);
+    // A scene that lacks a file says nothing of what converts.
+    let lacking =
+        clean.replace("</scene>", "<shape type=\"ply\"><string name=\"filename\" value=\"gone.ply\"/></shape></scene>");
+    fs::write(at("all/lacking.xml"), lacking).expect("written");
+    let ran = survey(&[]);
+    let told = ["2 of 5 complete scenes (40 %) convert", "not counted in this: 1 scene with missing files"];
+    assert!(told.iter().all(|told| ran.out.contains(told)) && !ran.out.contains("cannot be read"), "{}", ran.out);
     let ran = survey(&["--format", "short"]);
+    assert!(ran.out.contains("lacking.xml: loses, incomplete\n"), "{}", ran.out);
     assert!(ran.out.contains("broken.xml: broken\n") && ran.out.contains("hairy.xml: loses\n"), "{}", ran.out);
     assert!(!at("clean.lts").exists() && !at("all/clean.lts").exists());
 }

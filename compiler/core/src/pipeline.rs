@@ -1,6 +1,6 @@
 //! All stages in their order: read, evaluate, lint, lower, validate, emit. The only file that knows them all.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::io;
 
 use crate::audit::{self, Asked, Audited, Meshes};
@@ -43,6 +43,8 @@ pub struct Checked {
     pub library: bool,
     /// Every file that was read, by path.
     pub inputs: BTreeMap<VPath, Bytes>,
+    /// Files that a scene of another program names and that are not there.
+    pub missing: BTreeSet<VPath>,
     /// The parameters that the scene declares.
     pub parameters: Vec<SceneParameter>,
 }
@@ -140,14 +142,14 @@ pub fn check(files: &dyn Files, sources: &mut Sources, path: &VPath, options: &O
     findings.append(&mut linted);
     findings.sort_by_key(|finding| finding.origin.span());
     fix::propose(&mut findings, sources);
-    Checked { scene, findings, library, inputs, parameters }
+    Checked { scene, findings, library, inputs, missing: BTreeSet::new(), parameters }
 }
 
 /// Reads and lints a scene of another program. `--set` gives its parameters values.
 fn imported(importer: &Importer, files: &dyn Files, sources: &mut Sources, path: &VPath, options: &Options) -> Checked {
     let defines = options.overrides.set.iter().cloned().collect();
     let reading = import::Options { defines, limits: options.overrides.limits };
-    let Imported { scene, mut findings, inputs } = import::import(importer, files, sources, path, &reading);
+    let Imported { scene, mut findings, inputs, missing } = import::import(importer, files, sources, path, &reading);
     let scene = scene.map(|mut scene| {
         options.overrides.apply(&mut scene);
         scene
@@ -163,7 +165,7 @@ fn imported(importer: &Importer, files: &dyn Files, sources: &mut Sources, path:
         (finding.id != "undocumented-scene" || options.levels.names(finding.id)).then_some(finding)
     }));
     findings.sort_by_key(|finding| finding.origin.span());
-    Checked { scene, findings, inputs, ..Checked::default() }
+    Checked { scene, findings, inputs, missing, ..Checked::default() }
 }
 
 /// Gives findings that an `allow` covers the severity [`Severity::Allow`]; says which suppressions are unknown or unused.

@@ -54,6 +54,8 @@ struct Row {
     reasons: BTreeSet<(&'static str, String)>,
     /// Other files of scenes that it reads.
     includes: BTreeSet<String>,
+    /// Files that it names and that are not there.
+    missing: Vec<String>,
 }
 
 /// Surveys the scenes below `folder`.
@@ -99,7 +101,10 @@ pub fn run(folder: &Path, findings: &Findings) -> Result<Exit, Failure> {
     match findings.format {
         Format::Json => terminal::print(&format!("{:#}\n", document(folder, &scenes, parts))),
         Format::Short => {
-            let line = |row: &&Row| format!("{}: {}\n", terminal::harmless(&row.path), row.fate.word());
+            let line = |row: &&Row| {
+                let more = if row.missing.is_empty() { "" } else { ", incomplete" };
+                format!("{}: {}{more}\n", terminal::harmless(&row.path), row.fate.word())
+            };
             terminal::print(&scenes.iter().map(line).collect::<String>());
         }
         Format::Human | Format::Sarif | Format::Github => terminal::print(&people(folder, &scenes, parts)),
@@ -145,7 +150,8 @@ fn row(mut file: CheckedFile) -> Row {
         }
         false => Fate::Converts,
     };
-    Row { path, format, fate, holds, reasons, includes }
+    let missing = file.checked.missing.iter().map(ToString::to_string).collect();
+    Row { path, format, fate, holds, reasons, includes, missing }
 }
 
 /// What a scene holds, by kind.
@@ -215,6 +221,11 @@ fn fates(scenes: &[&Row]) -> [usize; 3] {
     [Fate::Converts, Fate::Loses, Fate::Broken].map(|fate| scenes.iter().filter(|row| row.fate == fate).count())
 }
 
+/// Scenes whose files are all there, and the others.
+fn split<'r>(scenes: &[&'r Row]) -> (Vec<&'r Row>, Vec<&'r Row>) {
+    scenes.iter().partition(|row| row.missing.is_empty())
+}
+
 fn people(folder: &Path, scenes: &[&Row], parts: usize) -> String {
     let formats: Vec<String> = counted(scenes.iter().map(|row| row.format))
         .iter()
@@ -225,11 +236,12 @@ fn people(folder: &Path, scenes: &[&Row], parts: usize) -> String {
         text.push_str(&format!(", and {} that they include", plural(parts, "file")));
     }
     text.push_str("\n\n scenes  hold\n");
+    let (complete, lacking) = split(scenes);
     for (count, what) in counted(scenes.iter().flat_map(|row| &row.holds)) {
         text.push_str(&format!("{count:>7}  {what}\n"));
     }
     for (near, title) in [(false, "what stands in the way"), (true, "what is read as something near it")] {
-        let rows = reasons(scenes, near);
+        let rows = reasons(&complete, near);
         if rows.is_empty() {
             continue;
         }
@@ -241,38 +253,46 @@ fn people(folder: &Path, scenes: &[&Row], parts: usize) -> String {
             text.push_str(&format!("         ... and {} more; `--format json` has all\n", rows.len() - SHOWN));
         }
     }
-    let [converts, loses, broken] = fates(scenes);
-    let share = 100.0 * converts as f64 / scenes.len().max(1) as f64;
+    let [converts, loses, broken] = fates(&complete);
+    let share = 100.0 * converts as f64 / complete.len().max(1) as f64;
+    let whole = if lacking.is_empty() { "" } else { "complete " };
     text.push_str(&format!(
-        "\n{converts} of {} ({share:.0} %) convert with no `loss-dropped`, {loses} lose something, {broken} give no scene; `--format \
-         short` names them\n",
-        scenes.len()
+        "\n{converts} of {} {whole}scenes ({share:.0} %) convert with no `loss-dropped`, {loses} lose something, {broken} give no scene; \
+         `--format short` names them\n",
+        complete.len()
     ));
+    if !lacking.is_empty() {
+        text.push_str(&format!("not counted in this: {} with missing files\n", plural(lacking.len(), "scene")));
+    }
     text
 }
 
 fn document(folder: &Path, scenes: &[&Row], parts: usize) -> Value {
-    let [converts, loses, broken] = fates(scenes);
+    let (complete, lacking) = split(scenes);
+    let [converts, loses, broken] = fates(&complete);
     let holds: Vec<Value> = counted(scenes.iter().flat_map(|row| &row.holds))
         .into_iter()
         .map(|(count, what)| json!({ "what": what, "scenes": count }))
         .collect();
     let reason =
         |(count, (id, reason)): (usize, &(&str, String))| json!({ "id": id, "reason": reason, "scenes": count });
-    let list = |near| reasons(scenes, near).into_iter().map(reason).collect::<Vec<Value>>();
+    let list = |near| reasons(&complete, near).into_iter().map(reason).collect::<Vec<Value>>();
     let files: Vec<Value> = scenes
         .iter()
         .map(|row| {
             let reasons = row.reasons.iter().map(|(id, reason)| json!({ "id": id, "reason": reason }));
             json!({
                 "path": row.path, "format": row.format, "verdict": row.fate.word(),
-                "reasons": reasons.collect::<Vec<_>>(),
+                "reasons": reasons.collect::<Vec<_>>(), "missing": row.missing,
             })
         })
         .collect();
     json!({
         "folder": folder.display().to_string(),
-        "counts": { "scenes": scenes.len(), "included": parts, "converts": converts, "loses": loses, "broken": broken },
+        "counts": {
+            "scenes": scenes.len(), "included": parts, "incomplete": lacking.len(), "complete": complete.len(),
+            "converts": converts, "loses": loses, "broken": broken,
+        },
         "holds": holds, "in_the_way": list(false), "approximated": list(true), "scenes": files,
     })
 }

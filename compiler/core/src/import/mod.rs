@@ -12,7 +12,7 @@ pub mod pbrt;
 mod placing;
 mod reader;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::diag::{Finding, Sources};
 use crate::eval::Limits;
@@ -62,6 +62,8 @@ pub struct Imported {
     pub findings: Vec<Finding>,
     /// Every file that was read, by path.
     pub inputs: BTreeMap<VPath, Bytes>,
+    /// Files that it names and that are not there.
+    pub missing: BTreeSet<VPath>,
 }
 
 /// Reads a scene of another program; texts that were read are added to `sources`.
@@ -74,8 +76,9 @@ pub fn import(
 ) -> Imported {
     let mut reader = Reader::new(files, sources, options);
     let scene = (importer.read)(&mut reader, path);
+    let missing = std::mem::take(&mut reader.missing);
     let (findings, inputs) = reader.finish(path);
-    Imported { scene, findings, inputs }
+    Imported { scene, findings, inputs, missing }
 }
 
 /// The name of a scene that does not say one: that of its file, or of the folders around it where many scenes have files of that name.

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 use super::Options;
 use crate::diag::{FileId, Finding, Origin, Severity, Sources, nearest};
 use crate::eval::Limits;
-use crate::files::{Bytes, Files, VPath};
+use crate::files::{Bytes, Files, ReadError, VPath};
 
 /// What became of something in a file that the Scene does not hold as it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +45,8 @@ pub struct Reader<'f> {
     /// What the user has said.
     pub options: &'f Options,
     inputs: BTreeMap<VPath, Bytes>,
+    /// Files that are not there.
+    pub(super) missing: BTreeSet<VPath>,
     findings: Vec<Finding>,
     /// What was said already, by code and message: the finding, and in how many more places.
     said: HashMap<(&'static str, String), (usize, usize)>,
@@ -59,6 +61,7 @@ impl<'f> Reader<'f> {
             sources,
             options,
             inputs: BTreeMap::new(),
+            missing: BTreeSet::new(),
             findings: Vec::new(),
             said: HashMap::new(),
             declared: BTreeSet::new(),
@@ -83,7 +86,12 @@ impl<'f> Reader<'f> {
         if let Some(bytes) = self.inputs.get(path) {
             return Ok(bytes.clone());
         }
-        let bytes = self.files.read(path, self.limits().file).map_err(|error| error.to_string())?;
+        let bytes = self.files.read(path, self.limits().file).map_err(|error| {
+            if matches!(error, ReadError::Missing { beside: _ }) {
+                self.missing.insert(path.clone());
+            }
+            error.to_string()
+        })?;
         self.inputs.insert(path.clone(), bytes.clone());
         Ok(bytes)
     }
