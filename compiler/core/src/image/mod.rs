@@ -78,11 +78,13 @@ pub struct Remark {
     pub loss: Loss,
     /// What it is, to stand behind the path.
     pub message: String,
+    /// Whether it is something that the file says of its numbers, and that is not applied to them.
+    pub unread: bool,
 }
 
 impl Remark {
     fn new(loss: Loss, message: String) -> Self {
-        Self { loss, message }
+        Self { loss, message, unread: false }
     }
 
     fn alpha() -> Self {
@@ -91,7 +93,8 @@ impl Remark {
     }
 
     fn unread(what: &str) -> Self {
-        Self::new(Loss::Dropped, format!("has {what}, which is not applied: its numbers are taken as they are stored"))
+        let message = format!("has {what}, which is not applied: its numbers are taken as they are stored");
+        Self { unread: true, ..Self::new(Loss::Dropped, message) }
     }
 }
 

@@ -2,16 +2,17 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::reader::{Fate, Reader};
+use super::reader::{Fate, Reader, code_of};
 use crate::diag::{Finding, Origin, Severity};
 use crate::files::VPath;
 use crate::image::write::Depth;
 use crate::image::{self, Loaded, Loss, Pixels};
 use crate::ir::{
-    Affine, Arena, Bsdf, Camera, Color, Documentation, Emission, Encoding, Film, Filter, Group, Handle, Instance,
-    Integrator, LightKind, LightSource, Material, Mesh, Sampler, Scene, Shape, Sides, Texture,
+    Affine, Arena, Bsdf, Camera, Color, ColorOrTexture, Documentation, Emission, Encoding, Film, Filter, Group, Handle,
+    Instance, Integrator, LightKind, LightSource, Material, Mesh, Sampler, Scene, Shape, Sides, Texture,
 };
-use crate::mesh::{self, Geometry, file as mesh_file};
+use crate::mesh::file::{self as mesh_file, Note};
+use crate::mesh::{self, Geometry};
 
 /// How the normals of a mesh from a file come about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -37,6 +38,8 @@ pub struct Wanted {
     pub flipped: bool,
     /// Whether the file's v grows downwards in images.
     pub down: bool,
+    /// Whether its shape has a material, so that those which the file names mean nothing.
+    pub dressed: bool,
 }
 
 /// What is known of a mesh in a file: the mesh, and whether the file has normals; none where it cannot be read.
@@ -59,6 +62,8 @@ pub struct Builder {
     pub(super) groups: Arena<Group>,
     pub(super) instances: Arena<Instance>,
     cameras: Arena<Camera>,
+    /// Whether the format says that the numbers of images are taken as they are stored, whatever their files say of gamma and profiles.
+    pub(super) as_stored: bool,
     known_meshes: HashMap<Wanted, KnownMesh>,
     known_textures: HashMap<TextureKey, Option<Handle<Texture>>>,
     remade_textures: HashMap<(usize, String), Option<Handle<Texture>>>,
@@ -176,7 +181,7 @@ impl Builder {
         if let Some(known) = self.known_textures.get(&key) {
             return *known;
         }
-        let made = read_texture(reader, path, encoding, factor, at);
+        let made = read_texture(reader, path, (encoding, self.as_stored), factor, at);
         let handle = made.map(|texture| self.textures.push(texture, at.clone()));
         self.known_textures.insert(key, handle);
         handle
@@ -191,7 +196,7 @@ impl Builder {
         factor: [f64; 3],
         at: &Origin,
     ) -> Option<Handle<Texture>> {
-        let texture = load_texture(reader, (name, name, ending), bytes, None, factor, at)?;
+        let texture = load_texture(reader, (name, name, ending), bytes, (None, self.as_stored), factor, at)?;
         Some(self.textures.push(texture, at.clone()))
     }
 
@@ -325,6 +330,24 @@ impl Builder {
         self.camera(Camera { name: None, eye, target: middle, up, fov_x: 45.0, near: None, far: None }, &at);
     }
 
+    /// Multiplies all light by a factor, which does the same to the image.
+    pub fn brighten(&mut self, factor: f64) {
+        // No more than a Scene holds.
+        let more = |color: &mut Color| *color = color.scaled(factor.min(1e30 / color.max().max(1e-30)));
+        let in_groups = self.groups.iter_mut().flat_map(|(_, group)| group.shapes.iter_mut());
+        let shapes = self.shapes.iter_mut().chain(in_groups).map(|(_, shape)| shape);
+        shapes.filter_map(|shape| shape.emission.as_mut()).for_each(|emission| more(&mut emission.radiance));
+        for (_, light) in self.lights.iter_mut() {
+            match &mut light.kind {
+                LightKind::Environment { radiance: ColorOrTexture::Color(color), tint: _, turn: _ }
+                | LightKind::Environment { radiance: ColorOrTexture::Texture(_), tint: color, turn: _ }
+                | LightKind::Point { position: _, intensity: color }
+                | LightKind::Spot { position: _, target: _, intensity: color, angle: _, inner: _ }
+                | LightKind::Directional { direction: _, irradiance: color } => more(color),
+            }
+        }
+    }
+
     /// Whether anything sends out light.
     pub fn shines(&self) -> bool {
         let in_groups = self.groups.values().flat_map(|group| group.shapes.values());
@@ -417,10 +440,12 @@ fn read_mesh(reader: &mut Reader<'_>, wanted: &Wanted, at: &Origin) -> Option<(G
             return None;
         }
     };
-    for note in notes {
+    let dressed = |note: &Note| wanted.dressed && note.is_of_materials();
+    for note in notes.into_iter().filter(|note| !dressed(note)) {
         let place = if note.place.is_empty() { String::new() } else { format!(", {}", note.place) };
         let message = format!("`{path}`{place}: {}", note.message);
-        reader.add(Finding::new(note.fate.code(), note.severity, at.clone(), message).maybe_help(note.help));
+        let finding = Finding::new(code_of(&note), note.severity, at.clone(), message);
+        reader.add(finding.maybe_help(note.help));
     }
     let normals = geometry.normals.is_some();
     match wanted.shading {
@@ -456,7 +481,7 @@ fn read_mesh(reader: &mut Reader<'_>, wanted: &Wanted, at: &Origin) -> Option<(G
 fn read_texture(
     reader: &mut Reader<'_>,
     path: &VPath,
-    encoding: Option<Encoding>,
+    decoding: (Option<Encoding>, bool),
     factor: [f64; 3],
     at: &Origin,
 ) -> Option<Texture> {
@@ -467,7 +492,7 @@ fn read_texture(
             return None;
         }
     };
-    load_texture(reader, (path.stem(), path.as_str(), &path.extension()), &bytes, encoding, factor, at)
+    load_texture(reader, (path.stem(), path.as_str(), &path.extension()), &bytes, decoding, factor, at)
 }
 
 /// An image of a name, which is called otherwise where it is told of, and of an ending.
@@ -475,7 +500,7 @@ fn load_texture(
     reader: &mut Reader<'_>,
     (name, told, ending): (&str, &str, &str),
     bytes: &[u8],
-    encoding: Option<Encoding>,
+    (encoding, as_stored): (Option<Encoding>, bool),
     factor: [f64; 3],
     at: &Origin,
 ) -> Option<Texture> {
@@ -487,7 +512,7 @@ fn load_texture(
             return None;
         }
     };
-    for remark in remarks {
+    for remark in remarks.into_iter().filter(|remark| !(as_stored && remark.unread)) {
         let id = match remark.loss {
             Loss::Baked => "loss-baked",
             Loss::Approximated => "loss-approximated",

@@ -6,6 +6,7 @@ use super::Options;
 use crate::diag::{FileId, Finding, Origin, Severity, Sources, nearest};
 use crate::eval::Limits;
 use crate::files::{Bytes, Files, ReadError, VPath};
+use crate::mesh::file::{self as mesh_file, Note};
 
 /// What became of something in a file that the Scene does not hold as it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -35,6 +36,12 @@ impl Fate {
             Self::Baked | Self::Noise => Severity::Info,
         }
     }
+}
+
+/// The code of what a mesh file has to say: what is left out of it and is not seen is no loss of the scene.
+pub fn code_of(note: &Note) -> &'static str {
+    let unseen = note.fate == mesh_file::Fate::Dropped && note.severity == Severity::Info;
+    if unseen { Fate::Noise.code() } else { note.fate.code() }
 }
 
 /// The files around a scene, and what is found in them.

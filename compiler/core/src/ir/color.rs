@@ -53,6 +53,19 @@ impl Color {
         }
     }
 
+    /// Light by a factor brighter.
+    #[must_use]
+    pub fn scaled(&self, factor: f64) -> Self {
+        match self {
+            Self::Grey(value) => Self::Grey(value * factor),
+            Self::Rgb(rgb) => Self::Rgb(rgb.map(|value| value * factor)),
+            Self::Spectrum(spectrum) => {
+                let points: Vec<_> = spectrum.points().iter().map(|(at, value)| (*at, value * factor)).collect();
+                Self::Spectrum(Spectrum::new(&points, Meaning::Light))
+            }
+        }
+    }
+
     /// Its spectrum, if it is one.
     pub fn spectrum(&self) -> Option<&Spectrum> {
         match self {

@@ -9,7 +9,7 @@ mod surface;
 mod view;
 
 use super::build::Settings;
-use super::reader::{Fate, Reader};
+use super::reader::{Fate, Reader, code_of};
 use super::{Builder, Importer, name_of};
 use crate::diag::{Finding, Origin};
 use crate::files::VPath;
@@ -60,12 +60,14 @@ fn scene(reader: &mut Reader<'_>, path: &VPath, bytes: &[u8]) -> Result<Scene, F
         }
     })?;
     for note in notes {
-        let finding = Finding::new(note.fate.code(), note.severity, at(path, note.place), note.message);
+        let finding = Finding::new(code_of(&note), note.severity, at(path, note.place), note.message);
         reader.add(finding.maybe_help(note.help));
     }
     let start = at(path, String::new());
     let of_ltsc = document.whole().inner("asset").and_then(|asset| asset.text("generator")) == Some("ltsc");
+    // "Any colorspace information from PNG or JPEG images MUST be ignored" (glTF 2.0, 3.8.3).
     let mut to = Builder::default();
+    to.as_stored = true;
     let mut settings = Settings::default();
     let sized = view::settings(&document, path, &mut settings, reader);
     let surfaces = surface::Surfaces::new(&document, &model, path, of_ltsc)?;

@@ -252,6 +252,14 @@ fn what_cannot_be_is_an_error_or_a_finding() {
 }
 
 #[test]
+fn what_is_never_seen_is_no_loss() {
+    let known = json!({"extensionsUsed": ["EXT_mesh_features", "EXT_structural_metadata", "EXT_instance_features"]});
+    assert!(read(known).1.iter().all(|finding| finding.id != "loss-dropped"));
+    let unknown = json!({"extensionsUsed": ["ACME_gizmo"]});
+    assert!(says(&read(unknown).1, "loss-dropped", "/extensionsUsed/0", "ACME_gizmo"));
+}
+
+#[test]
 fn a_deep_tree_is_no_deep_stack() {
     let deep = 100_000;
     let nodes: Vec<Value> = (0..deep).map(|at| json!({"children": [at + 1]})).chain([json!({"mesh": 0})]).collect();

@@ -61,6 +61,8 @@ fn read(reader: &mut Reader<'_>, path: &VPath) -> Option<Scene> {
             // Read where they are referred to, as are texts about the scene.
             "bsdf" | "texture" | "film" | "sampler" | "alias" | "integrator" | "string" | "rfilter" | "spectrum"
             | "rgb" | "float" | "integer" | "boolean" | "phase" => {}
+            // Of slongle/Rainbow: how it shows the image while it renders.
+            "mode" => {}
             "medium" | "volume" | "subsurface" => {
                 reader.lost(Fate::Dropped, element.span, "a medium is left out: light travels through nothing");
             }

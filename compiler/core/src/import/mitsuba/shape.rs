@@ -265,7 +265,8 @@ impl Shapes {
                 };
                 let part =
                     plugin.integer("shape_index", reader).filter(|index| *index > 0).map(|index| index.to_string());
-                let mut wanted = Wanted { path, part, shading, flipped, down };
+                let dressed = plugin.element.children.iter().any(|child| matches!(child.tag.as_str(), "bsdf" | "ref"));
+                let mut wanted = Wanted { path, part, shading, flipped, down, dressed };
                 let (mut mesh, normals) = to.mesh_file(reader, &wanted, &at)?;
                 // Under a mirroring transform the front of a mesh without normals of its own is where its corners run the other way.
                 if mirrored && (flat || !normals) {

@@ -160,6 +160,17 @@ impl<'e> World<'e> {
             "conductor" | "roughconductor" => self.conductor(plugin, reader, to),
             "dielectric" | "roughdielectric" | "thindielectric" => self.dielectric(plugin, reader, to),
             "plastic" | "roughplastic" => self.plastic(plugin, reader, to),
+            // The next two are names of a renderer that reads Mitsuba's files (slongle/Rainbow, `mirror.cpp` and `glass.cpp`).
+            "mirror" => {
+                let reflectance = self.tint(plugin, "reflectance", 1.0, reader, to);
+                Made { two_sided: true, ..Made::one_sided(Bsdf::Mirror { reflectance }) }
+            }
+            "glass" => {
+                plugin.drop(Fate::Dropped, &["reflectance", "transmission"], "glass is clear", reader);
+                let interior = self.ior(plugin, "int_ior", 1.5, reader);
+                let exterior = self.ior(plugin, "ext_ior", 1.0, reader);
+                Made::clear(Bsdf::Dielectric { interior, exterior, alpha: 0.0 })
+            }
             "phong" => {
                 let message = "Phong's lobe is read as a coat of GGX microfacets over a diffuse base";
                 reader.lost(Fate::Approximated, plugin.span(), message);

@@ -142,6 +142,15 @@ fn materials_mean_what_mitsuba_means() {
 }
 
 #[test]
+fn names_of_a_renderer_that_reads_these_files_are_known() {
+    assert_eq!(material("<bsdf type=\"mirror\"/>"), (Bsdf::Mirror { reflectance: Color::Grey(1.0) }, vec![]));
+    let water = "<bsdf type=\"glass\"><float name=\"intIOR\" value=\"1.33\"/></bsdf>";
+    assert_eq!(material(water), (Bsdf::Dielectric { interior: 1.33, exterior: 1.0, alpha: 0.0 }, vec![]));
+    let tinted = material("<bsdf type=\"glass\"><rgb name=\"transmission\" value=\"1 0 0\"/></bsdf>").1;
+    assert!(tinted.iter().any(|(code, _, message)| code == "loss-dropped" && message.contains("`transmission`")));
+}
+
+#[test]
 fn what_is_not_read_is_said_at_its_place() {
     let said = |text: &str, id: &str, line: usize, words: &str| {
         let (_, said) = material(text);
@@ -239,6 +248,19 @@ fn a_mirroring_transform_turns_the_front_of_a_mesh_without_normals() {
     };
     let flipped = "<boolean name=\"flipNormals\" value=\"true\"/>";
     assert!(front("1", "") && !front("-1", "") && !front("1", flipped) && front("-1", flipped));
+}
+
+#[test]
+fn materials_of_a_mesh_file_count_where_the_shape_has_none() {
+    let obj = "mtllib a.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let said = |own: &str| {
+        let text = format!(
+            "<scene version=\"0.6.0\"><shape type=\"obj\"><string name=\"filename\" value=\"a.obj\"/>{own}</shape></scene>"
+        );
+        let (imported, _) = read(&[("a.xml", &text), ("a.obj", obj)], &[]);
+        imported.findings.iter().any(|finding| finding.message.contains("materials are not read"))
+    };
+    assert!(said("") && !said("<bsdf type=\"diffuse\"/>"));
 }
 
 #[test]

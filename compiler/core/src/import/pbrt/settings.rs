@@ -191,22 +191,26 @@ impl World<'_, '_> {
         }
         for name in ["maxsampleluminance", "maxcomponentvalue"] {
             if params.float(name, self.reader).is_some_and(|most| most.is_finite() && most < 1e30) {
-                self.dropped(params.span_of(name), format!("`{name}` is left out: bright samples are not cut"));
+                self.near(params.span_of(name), format!("`{name}` is left out: bright samples are not cut"));
             }
-        }
-        if params.float("scale", self.reader).is_some_and(|scale| scale != 1.0) {
-            self.dropped(
-                params.span_of("scale"),
-                "the scale of a film is left out: the image has the scene's radiance",
-            );
         }
         // v4's sensor: `imagingRatio` is exposure time * iso / 100.
         let iso = params.float("iso", self.reader).unwrap_or(100.0);
         let time = params.float("exposuretime", self.reader).unwrap_or(1.0);
-        let sensor = params.string("sensor", self.reader).unwrap_or("cie1931").to_owned();
-        if sensor != "cie1931" || (iso * time / 100.0 - 1.0).abs() > 1e-6 {
-            let at = params.span_of(if sensor == "cie1931" { "iso" } else { "sensor" });
-            self.dropped(at, "the sensor of a film is left out: the image has the scene's radiance");
+        if params.string("sensor", self.reader).is_some_and(|sensor| sensor != "cie1931") {
+            let message = "the sensor of a film is left out: its colors are those of the scene";
+            self.dropped(params.span_of("sensor"), message);
+        }
+        let scale = params.float("scale", self.reader).unwrap_or(1.0) * iso * time / 100.0;
+        let name = ["scale", "iso"].into_iter().find(|name| params.has(name)).unwrap_or("exposuretime");
+        self.exposure = 1.0;
+        if !(1e-12..=1e12).contains(&scale) {
+            let message = format!("a film that multiplies light by {scale} is read as one that does not");
+            self.dropped(params.span_of(name), message);
+        } else if (scale - 1.0).abs() > 1e-6 {
+            self.exposure = scale;
+            let message = format!("the film multiplies light by {scale}: the lights of the scene are as much brighter");
+            self.reader.lost(Fate::Baked, params.span_of(name), message);
         }
         if params.float("whitebalance", self.reader).is_some_and(|kelvin| kelvin != 0.0) {
             self.dropped(params.span_of("whitebalance"), "`whitebalance` is left out: colors are those of the scene");

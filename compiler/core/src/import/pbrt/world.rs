@@ -78,6 +78,8 @@ pub struct World<'r, 'f> {
     pub state: State,
     /// From PBRT's world to the Scene's: mirrored where the camera is not.
     pub outer: Affine,
+    /// By what the film multiplies light.
+    pub exposure: f64,
     /// What was said before the world.
     pub wanted: Wanted,
     /// Colors of surfaces by name.
@@ -137,6 +139,7 @@ impl<'r, 'f> World<'r, 'f> {
             dialect,
             state,
             outer: Affine::IDENTITY,
+            exposure: 1.0,
             wanted: Wanted::new(dialect),
             paints: BTreeMap::new(),
             floats: BTreeMap::new(),
@@ -219,6 +222,9 @@ impl<'r, 'f> World<'r, 'f> {
             self.to.stand_back(begin.into());
         }
         let settings = self.wanted.settings();
+        if self.exposure != 1.0 {
+            self.to.brighten(self.exposure);
+        }
         Some(self.to.finish(name, begin.into(), settings))
     }
 
@@ -520,13 +526,18 @@ impl<'r, 'f> World<'r, 'f> {
         let Some((name, shapes, span)) = self.object.take() else { return };
         let group = if shapes.is_empty() { None } else { Some(self.to.group(&name, shapes, &span.into())) };
         if self.objects.insert(name.clone(), group).is_some() {
-            self.dropped(span, format!("the object `{}` is described twice: the second one counts", shown(&name)));
+            let message =
+                format!("the object `{}` is described twice: from here on the second one counts", shown(&name));
+            // v4 refuses it (`Redefining object instance`), all others replace it.
+            let fate = if self.dialect == Dialect::V4 { Fate::Approximated } else { Fate::Noise };
+            self.reader.lost(fate, span, message);
         }
     }
 
     fn instance(&mut self, name: &str, span: Span) {
         if self.object.is_some() {
-            self.dropped(span, "an object that is placed in an object is left out, as PBRT leaves it out");
+            let message = "an object that is placed in an object is left out, as PBRT leaves it out";
+            self.reader.lost(Fate::Noise, span, message);
             return;
         }
         match self.objects.get(name) {

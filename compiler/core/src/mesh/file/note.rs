@@ -33,6 +33,8 @@ impl Fate {
     }
 }
 
+const MATERIALS: &str = "materials are not read";
+
 /// Something to know about a mesh file that was read.
 ///
 /// Each note becomes a finding. Notes that say the same of several places are one, with the first place and the sum of their
@@ -56,6 +58,16 @@ pub struct Note {
 impl Note {
     fn new(fate: Fate, severity: Severity, place: impl Into<String>, message: impl Into<String>) -> Self {
         Self { fate, severity, message: message.into(), place: place.into(), help: None, tally: None }
+    }
+
+    /// Whether it says that materials of the file are not read.
+    pub fn is_of_materials(&self) -> bool {
+        self.fate == Fate::Dropped && self.message.starts_with(MATERIALS)
+    }
+
+    /// Materials of the file that are not read.
+    pub(super) fn materials(place: impl Into<String>, why: &str) -> Self {
+        Self::dropped(place, format!("{MATERIALS}: {why}"))
     }
 
     /// Something was left out that may be seen in an image; with [`Note::slight`] something that is not.

@@ -137,9 +137,8 @@ fn samplers_and_algorithms() {
 fn what_a_film_does_to_its_image_is_a_finding() {
     for text in [
         "\"image\" \"float cropwindow\" [0 .5 0 1]",
-        "\"image\" \"float scale\" 2",
-        "\"image\" \"float maxsampleluminance\" 10",
-        "\"rgb\" \"float iso\" 200",
+        "\"image\" \"float scale\" 0",
+        "\"rgb\" \"float iso\" -100",
         "\"rgb\" \"string sensor\" \"canon_eos_100d\"",
         "\"rgb\" \"float whitebalance\" 5000",
         "\"image\" \"integer xresolution\" 0",
@@ -153,6 +152,43 @@ fn what_a_film_does_to_its_image_is_a_finding() {
             .said(),
         []
     );
+}
+
+#[test]
+fn what_multiplies_the_image_multiplies_the_lights() {
+    let world = "LightSource \"point\" \"rgb I\" [1 2 3] LightSource \"infinite\" \"rgb L\" [.5 .5 .5]
+        AreaLightSource \"diffuse\" \"rgb L\" [4 5 6]
+        Shape \"trianglemesh\" \"point3 P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]";
+    for film in [
+        "\"image\" \"float scale\" 2",
+        "\"rgb\" \"float iso\" 200",
+        "\"rgb\" \"float iso\" 50 \"float exposuretime\" 4",
+    ] {
+        let read = super::read(&format!("Integrator \"path\" Camera \"perspective\"\nFilm {film}\nWorldBegin {world}"));
+        assert!(read.says(2, "loss-baked", "multiplies light by 2"), "{film}: {:?}", read.said());
+        let lights: Vec<_> = read.scene().lights.values().map(|light| light.kind.color().rgb()).collect();
+        assert_eq!(lights, [[2.0, 4.0, 6.0], [1.0; 3]], "{film}");
+        let lamp = read.shape(0).emission.as_ref().expect("a lamp");
+        assert_eq!(lamp.radiance.rgb(), [8.0, 10.0, 12.0], "{film}");
+    }
+    let cut = head("Camera \"perspective\" Film \"image\" \"float maxsampleluminance\" 10");
+    assert!(cut.says(2, "loss-approximated", "bright samples are not cut"), "{:?}", cut.said());
+}
+
+#[test]
+fn an_object_that_is_described_again_is_another_from_there_on() {
+    let triangle =
+        |x: u32| format!("Shape \"trianglemesh\" \"point3 P\" [{x} 0 0 {x} 1 0 {x} 0 1] \"integer indices\" [0 1 2]");
+    let object = |x: u32| format!("ObjectBegin \"o\" {} ObjectEnd ObjectInstance \"o\"", triangle(x));
+    let text = format!("Camera \"perspective\" Film \"image\" WorldBegin\n{}\n{}", object(1), object(2));
+    let read = super::read(&text);
+    let scene = read.scene();
+    let at = |instance: &crate::ir::Instance| {
+        let shape = scene.groups[instance.group].shapes.values().next().expect("a shape");
+        scene.meshes[shape.mesh].positions[0][0]
+    };
+    assert_eq!(scene.instances.values().map(at).collect::<Vec<_>>(), [1.0, 2.0], "{:?}", read.said());
+    assert!(read.said().iter().all(|(_, code, _)| *code != "loss-dropped"), "{:?}", read.said());
 }
 
 #[test]

@@ -10,7 +10,7 @@ enum Handling {
     Read,
     /// It is not read, and materials that have it say so.
     OfMaterials,
-    /// It is not read where a file only uses it, and nothing is lost: what it holds stands in the file another time.
+    /// It is not read where a file only uses it, and nothing is lost: what it holds stands in the file another time, or is never seen.
     Spare,
 }
 
@@ -18,8 +18,12 @@ use Handling::{OfMaterials, Read, Spare};
 
 /// The extensions that are known.
 const KNOWN: &[(&str, Handling)] = &[
+    // What an application knows of parts of a mesh; nothing that is seen.
+    ("EXT_instance_features", Spare),
+    ("EXT_mesh_features", Spare),
     ("EXT_mesh_gpu_instancing", Read),
     ("EXT_meshopt_compression", Spare),
+    ("EXT_structural_metadata", Spare),
     ("EXT_texture_webp", OfMaterials),
     ("EXT_texture_avif", OfMaterials),
     // Of animations, which are not read and say so themselves.

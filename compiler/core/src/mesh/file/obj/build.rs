@@ -35,7 +35,7 @@ impl Reader<'_> {
                 Unread::Weights => {
                     dropped("weights of rational curves, the fourth number of a position, are not read").slight()
                 }
-                Unread::Materials => dropped("materials are not read: a shape gets its own by `with`").slight(),
+                Unread::Materials => Note::materials(format!("line {line}"), "a shape gets its own by `with`").slight(),
                 Unread::Attributes => dropped("display and rendering attributes are not read").slight(),
                 Unread::Maps => dropped("textures that stand outside of materials (`usemap`) are not read"),
             });

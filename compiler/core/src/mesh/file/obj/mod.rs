@@ -73,7 +73,7 @@ fn library(written: &[u8], line: usize, beside: &mut Beside<'_>, materials: &mut
     for name in names {
         if let Err(message) = read(name, notes) {
             let message: String = message;
-            notes.push(Note::dropped(place.clone(), format!("materials are not read: {message}")));
+            notes.push(Note::materials(place.clone(), &message));
         }
     }
 }
