@@ -33,7 +33,7 @@ pub struct Browser {
 
 static SEATS: [Mutex<()>; 2] = [const { Mutex::new(()) }; 2];
 
-/// A free one, else the first that is given up.
+/// A free one, else one of them in turn, once it is given up.
 fn seat() -> MutexGuard<'static, ()> {
     static NEXT: AtomicUsize = AtomicUsize::new(0);
     let free = SEATS.iter().find_map(|seat| match seat.try_lock() {

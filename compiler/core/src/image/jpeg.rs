@@ -52,7 +52,7 @@ pub(super) fn header(bytes: &[u8]) -> Result<Header, ImageError> {
                     .help("renderers read baseline and progressive JPEG; save it as one of these, or as PNG"));
             }
             0xe1 if data.starts_with(b"Exif\0\0") => {
-                spoken.push((segment, super::turned(&data[6..]).then_some("an orientation")));
+                spoken.push((segment, super::turned(&data[6..]).then_some(super::ORIENTATION)));
             }
             0xe2 if data.starts_with(b"ICC_PROFILE\0") => {
                 profile.extend_from_slice(data);

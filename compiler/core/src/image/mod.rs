@@ -71,6 +71,10 @@ pub enum Loss {
     Dropped,
 }
 
+/// What is not read of a file and has nothing to do with colors: how its picture is turned, and that it has several.
+const ORIENTATION: &str = "an orientation";
+const FRAMES: &str = "several frames";
+
 /// Something of a file that is not in its pixels as it stands there.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Remark {
@@ -78,13 +82,13 @@ pub struct Remark {
     pub loss: Loss,
     /// What it is, to stand behind the path.
     pub message: String,
-    /// Whether it is something that the file says of its numbers, and that is not applied to them.
-    pub unread: bool,
+    /// Whether it is what the file says of its colors (gamma, primaries, profile), which is not applied to them.
+    pub of_color: bool,
 }
 
 impl Remark {
     fn new(loss: Loss, message: String) -> Self {
-        Self { loss, message, unread: false }
+        Self { loss, message, of_color: false }
     }
 
     fn alpha() -> Self {
@@ -94,7 +98,8 @@ impl Remark {
 
     fn unread(what: &str) -> Self {
         let message = format!("has {what}, which is not applied: its numbers are taken as they are stored");
-        Self { unread: true, ..Self::new(Loss::Dropped, message) }
+        let of_color = ![ORIENTATION, FRAMES].contains(&what);
+        Self { of_color, ..Self::new(Loss::Dropped, message) }
     }
 }
 

@@ -133,8 +133,8 @@ pub(super) fn load(bytes: &[u8]) -> Result<Png, ImageError> {
             (b"iCCP", _) if profile != Some(true) => Some("a color profile".to_owned()),
             // Primaries and curve of sRGB, as numbers that are not reordered.
             (b"cICP", places) => (*places != [1, 13, 0, 1]).then(|| "a color space".to_owned()),
-            (b"eXIf", data) => super::turned(data).then(|| "an orientation".to_owned()),
-            (b"acTL", _) => Some("several frames".to_owned()),
+            (b"eXIf", data) => super::turned(data).then(|| super::ORIENTATION.to_owned()),
+            (b"acTL", _) => Some(super::FRAMES.to_owned()),
             _ => None,
         };
         remarks.extend(what.map(|what| Remark::unread(&what)));

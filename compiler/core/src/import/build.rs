@@ -2,6 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
+use super::color::BRIGHTEST;
 use super::reader::{Fate, Reader, code_of};
 use crate::diag::{Finding, Origin, Severity};
 use crate::files::VPath;
@@ -11,8 +12,7 @@ use crate::ir::{
     Affine, Arena, Bsdf, Camera, Color, ColorOrTexture, Documentation, Emission, Encoding, Film, Filter, Group, Handle,
     Instance, Integrator, LightKind, LightSource, Material, Mesh, Sampler, Scene, Shape, Sides, Texture,
 };
-use crate::mesh::file::{self as mesh_file, Note};
-use crate::mesh::{self, Geometry};
+use crate::mesh::{self, Geometry, file as mesh_file};
 
 /// How the normals of a mesh from a file come about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -38,8 +38,6 @@ pub struct Wanted {
     pub flipped: bool,
     /// Whether the file's v grows downwards in images.
     pub down: bool,
-    /// Whether its shape has a material, so that those which the file names mean nothing.
-    pub dressed: bool,
 }
 
 /// What is known of a mesh in a file: the mesh, and whether the file has normals; none where it cannot be read.
@@ -62,9 +60,11 @@ pub struct Builder {
     pub(super) groups: Arena<Group>,
     pub(super) instances: Arena<Instance>,
     cameras: Arena<Camera>,
-    /// Whether the format says that the numbers of images are taken as they are stored, whatever their files say of gamma and profiles.
+    /// Whether the format says that the numbers of images are taken as they are stored, whatever their files say of their colors.
     pub(super) as_stored: bool,
     known_meshes: HashMap<Wanted, KnownMesh>,
+    /// That materials of a mesh file are not read: said once a shape without one of its own uses the mesh.
+    unread_materials: HashMap<Wanted, Vec<Finding>>,
     known_textures: HashMap<TextureKey, Option<Handle<Texture>>>,
     remade_textures: HashMap<(usize, String), Option<Handle<Texture>>>,
     equal_materials: HashMap<String, Handle<Material>>,
@@ -117,15 +117,31 @@ impl Builder {
     }
 
     /// A mesh from a file, read once for each way in which it is wanted, and whether the file has normals.
-    pub fn mesh_file(&mut self, reader: &mut Reader<'_>, wanted: &Wanted, at: &Origin) -> Option<(Handle<Mesh>, bool)> {
-        if let Some(known) = self.known_meshes.get(wanted) {
-            return *known;
+    /// `dressed` says that the shape has a material, so that those which the file names mean nothing.
+    pub fn mesh_file(
+        &mut self,
+        reader: &mut Reader<'_>,
+        wanted: &Wanted,
+        dressed: bool,
+        at: &Origin,
+    ) -> Option<(Handle<Mesh>, bool)> {
+        let known = match self.known_meshes.get(wanted) {
+            Some(known) => *known,
+            None => {
+                let mut materials = Vec::new();
+                let made = read_mesh(reader, wanted, &mut materials, at);
+                let known = made.map(|(geometry, normals)| {
+                    (self.meshes.push(geometry.into_mesh(wanted.path.stem()), at.clone()), normals)
+                });
+                self.known_meshes.insert(wanted.clone(), known);
+                self.unread_materials.insert(wanted.clone(), materials);
+                known
+            }
+        };
+        if !dressed {
+            self.unread_materials.remove(wanted).into_iter().flatten().for_each(|finding| reader.add(finding));
         }
-        let made = read_mesh(reader, wanted, at);
-        let handle = made
-            .map(|(geometry, normals)| (self.meshes.push(geometry.into_mesh(wanted.path.stem()), at.clone()), normals));
-        self.known_meshes.insert(wanted.clone(), handle);
-        handle
+        known
     }
 
     /// A mesh that the file describes itself; none where its arrays do not belong together, it has no triangle, or all meshes together
@@ -254,6 +270,19 @@ impl Builder {
         handle
     }
 
+    /// An image as one of an environment has to be: linear floats, whatever the file holds.
+    pub fn floats(
+        &mut self,
+        reader: &mut Reader<'_>,
+        texture: Handle<Texture>,
+        at: &Origin,
+    ) -> Option<Handle<Texture>> {
+        if self.textures[texture].image.format.is_float() {
+            return Some(texture);
+        }
+        self.remade(reader, texture, "floats", |pixels| pixels, at)
+    }
+
     /// The mean of an image's linear pixels.
     pub fn mean(&self, texture: Handle<Texture>) -> Option<[f64; 3]> {
         let texture = &self.textures[texture];
@@ -332,8 +361,9 @@ impl Builder {
 
     /// Multiplies all light by a factor, which does the same to the image.
     pub fn brighten(&mut self, factor: f64) {
-        // No more than a Scene holds.
-        let more = |color: &mut Color| *color = color.scaled(factor.min(1e30 / color.max().max(1e-30)));
+        // No brighter than colors are read.
+        let more =
+            |color: &mut Color| *color = color.scaled(factor.min(BRIGHTEST / color.max().max(f64::MIN_POSITIVE)));
         let in_groups = self.groups.iter_mut().flat_map(|(_, group)| group.shapes.iter_mut());
         let shapes = self.shapes.iter_mut().chain(in_groups).map(|(_, shape)| shape);
         shapes.filter_map(|shape| shape.emission.as_mut()).for_each(|emission| more(&mut emission.radiance));
@@ -423,7 +453,13 @@ pub(super) fn plain(name: &str) -> String {
     if name.trim().is_empty() { "unnamed".to_owned() } else { name }
 }
 
-fn read_mesh(reader: &mut Reader<'_>, wanted: &Wanted, at: &Origin) -> Option<(Geometry, bool)> {
+/// The mesh and whether the file has normals. What it says of materials of the file goes to `materials`, all else to the reader.
+fn read_mesh(
+    reader: &mut Reader<'_>,
+    wanted: &Wanted,
+    materials: &mut Vec<Finding>,
+    at: &Origin,
+) -> Option<(Geometry, bool)> {
     let path = &wanted.path;
     let bytes = match reader.bytes(path) {
         Ok(bytes) => bytes,
@@ -440,12 +476,15 @@ fn read_mesh(reader: &mut Reader<'_>, wanted: &Wanted, at: &Origin) -> Option<(G
             return None;
         }
     };
-    let dressed = |note: &Note| wanted.dressed && note.is_of_materials();
-    for note in notes.into_iter().filter(|note| !dressed(note)) {
+    for note in notes {
         let place = if note.place.is_empty() { String::new() } else { format!(", {}", note.place) };
         let message = format!("`{path}`{place}: {}", note.message);
-        let finding = Finding::new(code_of(&note), note.severity, at.clone(), message);
-        reader.add(finding.maybe_help(note.help));
+        if note.is_of_materials() {
+            // Without one of its own a shape is seen with those of the file.
+            materials.push(Finding::new(note.fate.code(), Severity::Warn, at.clone(), message).maybe_help(note.help));
+        } else {
+            reader.add(Finding::new(code_of(&note), note.severity, at.clone(), message).maybe_help(note.help));
+        }
     }
     let normals = geometry.normals.is_some();
     match wanted.shading {
@@ -512,7 +551,7 @@ fn load_texture(
             return None;
         }
     };
-    for remark in remarks.into_iter().filter(|remark| !(as_stored && remark.unread)) {
+    for remark in remarks.into_iter().filter(|remark| !(as_stored && remark.of_color)) {
         let id = match remark.loss {
             Loss::Baked => "loss-baked",
             Loss::Approximated => "loss-approximated",

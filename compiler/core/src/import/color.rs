@@ -27,7 +27,7 @@ impl Use {
 }
 
 /// No color is brighter, so that its numbers stay finite in single precision.
-const BRIGHTEST: f64 = 1e28;
+pub(super) const BRIGHTEST: f64 = 1e28;
 
 /// A color without what lies outside of what one of this use can be.
 pub fn cut(color: Color, use_of: Use, at: Span, reader: &mut Reader<'_>) -> Color {

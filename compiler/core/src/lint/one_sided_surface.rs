@@ -28,10 +28,9 @@ fn check(subject: &Subject<'_>, report: &mut Report) {
     }
     let Some((material, (_, shape))) = open.iter().next() else { return };
     let name = &scene.materials[*material].name;
-    let more = match open.len() - 1 {
-        0 => String::new(),
-        1 => ", and so is another one".to_owned(),
-        more => format!(", and so are {more} others"),
+    let more = match open.len() {
+        1 => String::new(),
+        all => format!(" (the first of {all} such materials)"),
     };
     let finding = report.add(
         scene.materials.origin(*material),

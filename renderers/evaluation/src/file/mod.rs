@@ -27,6 +27,8 @@ mod lteval_tests;
 mod print_tests;
 #[cfg(test)]
 mod tests;
+#[cfg(test)]
+mod wrong_tests;
 
 use ltsc_core::diag::{FileId, Finding, Severity, Span};
 

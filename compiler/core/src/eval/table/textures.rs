@@ -83,7 +83,7 @@ fn bitmap(args: &Args, site: &mut Site<'_>) -> Result<Value, Problem> {
 
 /// What is to be said of a part of an image file that does not stay as it is.
 pub(super) fn lost(path: &str, remark: Remark, span: Span) -> Finding {
-    let Remark { loss, message, unread: _ } = remark;
+    let Remark { loss, message, of_color: _ } = remark;
     let id = match loss {
         Loss::Baked => "loss-baked",
         Loss::Approximated => "loss-approximated",

@@ -65,7 +65,7 @@ fn scene(reader: &mut Reader<'_>, path: &VPath, bytes: &[u8]) -> Result<Scene, F
     }
     let start = at(path, String::new());
     let of_ltsc = document.whole().inner("asset").and_then(|asset| asset.text("generator")) == Some("ltsc");
-    // "Any colorspace information from PNG or JPEG images MUST be ignored" (glTF 2.0, 3.8.3).
+    // What PNG and JPEG files say of their color space must be ignored (glTF 2.0, 5.19).
     let mut to = Builder::default();
     to.as_stored = true;
     let mut settings = Settings::default();

@@ -255,6 +255,33 @@ fn what_cannot_be_is_an_error_or_a_finding() {
 fn what_is_never_seen_is_no_loss() {
     let known = json!({"extensionsUsed": ["EXT_mesh_features", "EXT_structural_metadata", "EXT_instance_features"]});
     assert!(read(known).1.iter().all(|finding| finding.id != "loss-dropped"));
+    let own = json!({"meshes": [{"primitives": [{"attributes": {"POSITION": 0, "_PART": 0}, "material": 0}]}]});
+    let found = read(own).1;
+    assert!(
+        says(&found, "loss-baked", "/meshes/0", "`_`") && found.iter().all(|finding| finding.id != "loss-dropped"),
+        "{found:?}"
+    );
+    // Profiles of colors are to be ignored (glTF 2.0, 5.19); how a picture is turned is another thing.
+    let files: [(&[u8], bool); 2] = [
+        (include_bytes!("../../../../../tests/cases/images/profile.jpg"), false),
+        (include_bytes!("../../../../../tests/cases/images/turned.jpg"), true),
+    ];
+    for (jpeg, lost) in files {
+        let painted = json!({
+            "images": [{"uri": format!("data:image/jpeg;base64,{}", STANDARD.encode(jpeg))}],
+            "textures": [{"source": 0}],
+            "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 2}, "material": 0}]}],
+            "materials": [{"pbrMetallicRoughness": {"baseColorTexture": {"index": 0}}}],
+            "accessors": [
+                {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]},
+                {"bufferView": 0, "byteOffset": 36, "componentType": 5126, "count": 2, "type": "VEC3"},
+                {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC2"},
+            ],
+        });
+        let (scene, found) = read(painted);
+        assert_eq!(scene.textures.len(), 1, "{found:?}");
+        assert_eq!(found.iter().any(|finding| finding.id == "loss-dropped"), lost, "{found:?}");
+    }
     let unknown = json!({"extensionsUsed": ["ACME_gizmo"]});
     assert!(says(&read(unknown).1, "loss-dropped", "/extensionsUsed/0", "ACME_gizmo"));
 }

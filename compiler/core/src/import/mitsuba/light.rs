@@ -78,6 +78,7 @@ fn envmap<'e>(plugin: Plugin<'e>, world: &World<'e>, reader: &mut Reader<'_>, to
         _ => None,
     };
     let texture = to.texture(reader, &path, encoding, [1.0; 3], &at)?;
+    let texture = to.floats(reader, texture, &at)?;
     // The Scene's directions of an image become Mitsuba's, then those of the file's transform.
     let turn = rotation(&inverse(&ENVIRONMENT).then(&map));
     let turn = turn.unwrap_or_else(|| {

@@ -265,13 +265,16 @@ impl Shapes {
                 };
                 let part =
                     plugin.integer("shape_index", reader).filter(|index| *index > 0).map(|index| index.to_string());
-                let dressed = plugin.element.children.iter().any(|child| matches!(child.tag.as_str(), "bsdf" | "ref"));
-                let mut wanted = Wanted { path, part, shading, flipped, down, dressed };
-                let (mut mesh, normals) = to.mesh_file(reader, &wanted, &at)?;
+                let dressed = plugin.element.children.iter().any(|child| {
+                    let referred = world.ids.get(child.word("id")).filter(|_| child.tag == "ref");
+                    referred.map_or(child.tag.as_str(), |found| found.tag.as_str()) == "bsdf"
+                });
+                let mut wanted = Wanted { path, part, shading, flipped, down };
+                let (mut mesh, normals) = to.mesh_file(reader, &wanted, dressed, &at)?;
                 // Under a mirroring transform the front of a mesh without normals of its own is where its corners run the other way.
                 if mirrored && (flat || !normals) {
                     wanted.flipped = !flipped;
-                    mesh = to.mesh_file(reader, &wanted, &at)?.0;
+                    mesh = to.mesh_file(reader, &wanted, dressed, &at)?.0;
                 }
                 let name = wanted.path.stem().to_owned();
                 return Some(Body { mesh, transform, name });

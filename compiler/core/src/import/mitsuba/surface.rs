@@ -166,7 +166,7 @@ impl<'e> World<'e> {
                 Made { two_sided: true, ..Made::one_sided(Bsdf::Mirror { reflectance }) }
             }
             "glass" => {
-                plugin.drop(Fate::Dropped, &["reflectance", "transmission"], "glass is clear", reader);
+                self.untinted(plugin, ["reflectance", "transmission"], reader, to);
                 let interior = self.ior(plugin, "int_ior", 1.5, reader);
                 let exterior = self.ior(plugin, "ext_ior", 1.0, reader);
                 Made::clear(Bsdf::Dielectric { interior, exterior, alpha: 0.0 })
@@ -300,19 +300,24 @@ impl<'e> World<'e> {
         let alpha = if plugin.kind() == "roughdielectric" { self.alpha(plugin, 0.1, reader) } else { 0.0 };
         let interior = self.ior(plugin, "int_ior", 1.5046, reader);
         let exterior = self.ior(plugin, "ext_ior", 1.000277, reader);
-        for name in ["specular_reflectance", "specular_transmittance"] {
-            let tint = self.tint(plugin, name, 1.0, reader, to);
-            if !tint.is_grey() || tint.max() != 1.0 {
-                let message = format!("`{name}` of a dielectric is left out: it is clear");
-                reader.lost(Fate::Dropped, plugin.span_of(name), message);
-            }
-        }
+        self.untinted(plugin, ["specular_reflectance", "specular_transmittance"], reader, to);
         if plugin.kind() == "thindielectric" {
             let message = "a thin dielectric is read as nothing: light passes it straight, none is reflected";
             reader.lost(Fate::Approximated, plugin.span(), message);
             return Made { bsdf: None, uv: Map::IDENTITY, two_sided: true };
         }
         Made::clear(Bsdf::Dielectric { interior, exterior, alpha })
+    }
+
+    /// Says that factors of a dielectric which are not 1 are left out.
+    fn untinted(&self, plugin: Plugin<'e>, names: [&str; 2], reader: &mut Reader<'_>, to: &mut Builder) {
+        for name in names {
+            let tint = self.tint(plugin, name, 1.0, reader, to);
+            if !tint.is_grey() || tint.max() != 1.0 {
+                let message = format!("`{name}` of a dielectric is left out: it is clear");
+                reader.lost(Fate::Dropped, plugin.span_of(name), message);
+            }
+        }
     }
 
     fn plastic(&self, plugin: Plugin<'e>, reader: &mut Reader<'_>, to: &mut Builder) -> Made {

@@ -1,7 +1,7 @@
 //! Cases of the importer: what a text means, and what is said of it.
 
 use super::super::{Imported, Options, find, import};
-use crate::diag::{Severity, Sources};
+use crate::diag::{Finding, Severity, Sources};
 use crate::files::{MemoryFiles, VPath};
 use crate::ir::{Bsdf, Camera, Color, Filter, Integrator, LightKind, Sampler, Scene, Sides};
 
@@ -54,6 +54,7 @@ fn a_surface_without_two_sides_is_black_from_behind() {
     assert_eq!(sides(plain), (Sides::Front, 0));
     assert_eq!(sides(&format!("<bsdf type=\"twosided\">{plain}</bsdf>")), (Sides::Both, 0));
     assert_eq!(sides("<bsdf type=\"dielectric\"/>"), (Sides::Both, 0));
+    assert_eq!(sides("<bsdf type=\"mirror\"/>"), (Sides::Both, 0));
 }
 
 fn camera(scene: &Scene) -> &Camera {
@@ -148,6 +149,9 @@ fn names_of_a_renderer_that_reads_these_files_are_known() {
     assert_eq!(material(water), (Bsdf::Dielectric { interior: 1.33, exterior: 1.0, alpha: 0.0 }, vec![]));
     let tinted = material("<bsdf type=\"glass\"><rgb name=\"transmission\" value=\"1 0 0\"/></bsdf>").1;
     assert!(tinted.iter().any(|(code, _, message)| code == "loss-dropped" && message.contains("`transmission`")));
+    let shape = "<shape type=\"cube\"/>";
+    assert_eq!(scene(&format!("<mode type=\"final\"/>{shape}")).1, scene(shape).1);
+    assert_eq!(material("<bsdf type=\"glass\"><rgb name=\"transmission\" value=\"1\"/></bsdf>").1, vec![]);
 }
 
 #[test]
@@ -251,16 +255,45 @@ fn a_mirroring_transform_turns_the_front_of_a_mesh_without_normals() {
 }
 
 #[test]
+fn a_sky_of_eight_bits_becomes_one_of_floats() {
+    let pixels = crate::image::Pixels { width: 2, height: 1, channels: 3, values: vec![0.5; 6] };
+    let mut held = MemoryFiles::default();
+    held.insert("a.png", crate::image::write::png(&pixels, 8).expect("a PNG file"));
+    let text = "<scene version=\"3.0.0\"><shape type=\"cube\"/><emitter type=\"envmap\"><string name=\"filename\" value=\"a.png\"/></emitter></scene>";
+    held.insert("a.xml", text.as_bytes());
+    let path = VPath::resolve("", "a.xml").expect("a path");
+    let importer = find(&path).expect("an importer");
+    let imported = import(importer, &held, &mut Sources::default(), &path, &Options::default());
+    let scene = imported.scene.expect("a scene");
+    let sky = scene.lights.values().find_map(|light| light.kind.texture()).expect("an image");
+    let linear = crate::image::linear(&scene.textures[sky]).expect("pixels");
+    // 128 by the curve of sRGB.
+    assert!(scene.textures[sky].image.format.is_float() && (linear.values[0] - 0.2158).abs() < 2e-4, "{linear:?}");
+    crate::pipeline::prepare(scene).expect("a valid scene");
+}
+
+#[test]
 fn materials_of_a_mesh_file_count_where_the_shape_has_none() {
     let obj = "mtllib a.mtl\nusemtl red\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    let said = |own: &str| {
+    let all = |owns: &[&str]| {
+        let shape =
+            |own: &&str| format!("<shape type=\"obj\"><string name=\"filename\" value=\"a.obj\"/>{own}</shape>");
+        let shapes: String = owns.iter().map(shape).collect();
         let text = format!(
-            "<scene version=\"0.6.0\"><shape type=\"obj\"><string name=\"filename\" value=\"a.obj\"/>{own}</shape></scene>"
+            "<scene version=\"0.6.0\"><medium id=\"fog\" type=\"homogeneous\"/><bsdf id=\"grey\" type=\"diffuse\"/>{shapes}</scene>"
         );
         let (imported, _) = read(&[("a.xml", &text), ("a.obj", obj)], &[]);
-        imported.findings.iter().any(|finding| finding.message.contains("materials are not read"))
+        let told = |finding: &&Finding| finding.message.contains("materials are not read");
+        let codes: Vec<&str> = imported.findings.iter().filter(told).map(|finding| finding.id).collect();
+        (codes, imported.scene.expect("a scene").meshes.len())
     };
-    assert!(said("") && !said("<bsdf type=\"diffuse\"/>"));
+    let own = "<bsdf type=\"diffuse\"/>";
+    assert_eq!(all(&[own]), (vec![], 1));
+    assert_eq!(all(&["<ref id=\"grey\"/>"]), (vec![], 1));
+    assert_eq!(all(&[""]), (vec!["loss-dropped"], 1));
+    assert_eq!(all(&["<ref name=\"interior\" id=\"fog\"/>"]), (vec!["loss-dropped"], 1));
+    // The mesh is one, whatever its shapes are made of, and it is said once.
+    assert_eq!(all(&[own, "", own, ""]), (vec!["loss-dropped"], 1));
 }
 
 #[test]

@@ -187,7 +187,7 @@ impl World<'_, '_> {
         }
         let octahedral = octahedral && width == height;
         if !octahedral && !mirrored {
-            return Some(texture);
+            return self.to.floats(self.reader, texture, &at);
         }
         let most = self.reader.limits().pixels as f64;
         // As high as the square: no pixel of it is smaller than one of the image.

@@ -235,9 +235,8 @@ impl World<'_, '_> {
         let path = self.path(&written, span)?;
         let name = path.stem().to_owned();
         let flipped = self.state.reverse;
-        let shading = Shading::Given;
-        let wanted = Wanted { path, part: None, shading, flipped, down: false, dressed: true };
-        let (mesh, normals) = self.to.mesh_file(self.reader, &wanted, &span.into())?;
+        let wanted = Wanted { path, part: None, shading: Shading::Given, flipped, down: false };
+        let (mesh, normals) = self.to.mesh_file(self.reader, &wanted, true, &span.into())?;
         let mesh = if normals { self.facing(mesh) } else { mesh };
         Some(Body { mesh, name, round: false })
     }

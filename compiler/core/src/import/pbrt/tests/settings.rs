@@ -171,6 +171,16 @@ fn what_multiplies_the_image_multiplies_the_lights() {
         let lamp = read.shape(0).emission.as_ref().expect("a lamp");
         assert_eq!(lamp.radiance.rgb(), [8.0, 10.0, 12.0], "{film}");
     }
+    // Of an image the tint, and no light is brighter than a Scene may have it.
+    let pixels = crate::image::Pixels { width: 2, height: 1, channels: 3, values: vec![1.0; 6] };
+    let image = crate::image::write::png(&pixels, 8).expect("a PNG file");
+    let text = "Camera \"perspective\" Film \"image\" \"float scale\" 1e12 WorldBegin LightSource \"point\" \"rgb I\" [1e27 0 0]
+        LightSource \"infinite\" \"string mapname\" \"m.png\" \"rgb L\" [2 3 4]
+        Shape \"trianglemesh\" \"point P\" [0 0 0 1 0 0 0 1 0] \"integer indices\" [0 1 2]";
+    let read = super::read_with(text, &[("a/m.png", &image)]);
+    let lights: Vec<_> = read.scene().lights.values().map(|light| light.kind.color().rgb()).collect();
+    assert_eq!(lights, [[1e28, 0.0, 0.0], [2e12, 3e12, 4e12]], "{:?}", read.said());
+    crate::pipeline::prepare(read.scene().clone()).expect("a valid scene");
     let cut = head("Camera \"perspective\" Film \"image\" \"float maxsampleluminance\" 10");
     assert!(cut.says(2, "loss-approximated", "bright samples are not cut"), "{:?}", cut.said());
 }
