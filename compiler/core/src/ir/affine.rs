@@ -34,7 +34,8 @@ pub fn normalized(a: Vec3) -> Option<Vec3> {
     }
     let scaled = a.map(|x| x / largest);
     let size = length(scaled);
-    Some(scaled.map(|x| x / size))
+    // It is at least 1, or not a number where a part of the vector is none, which `max` overlooks.
+    (size >= 1.0).then(|| scaled.map(|x| x / size))
 }
 
 /// A map of points `p -> M p + t`, written as the three rows of `(M | t)`.
@@ -157,6 +158,22 @@ mod tests {
 
     const X: Vec3 = [1.0, 0.0, 0.0];
     const Z: Vec3 = [0.0, 0.0, 1.0];
+
+    #[test]
+    fn a_direction_has_length_1_or_is_none() {
+        for at in 0..3 {
+            for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                let mut vector = [1.0, -2.0, 3.0];
+                vector[at] = bad;
+                assert_eq!(normalized(vector), None, "{vector:?}");
+            }
+        }
+        for size in [1e-320, 1e-150, 1.0, 1e150, 1e308] {
+            let unit = normalized([size, -size, 0.0]).expect("a direction");
+            assert!((length(unit) - 1.0).abs() < 1e-15, "{size}: {unit:?}");
+        }
+        assert_eq!(normalized([0.0; 3]), None);
+    }
 
     #[test]
     fn a_quarter_turn_about_z_takes_x_to_y_exactly() {

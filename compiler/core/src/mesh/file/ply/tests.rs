@@ -514,7 +514,7 @@ fn normals_that_cannot_be_used_come_from_the_faces() {
         (geometry.normals, said)
     };
     let computed = "line 13: 1 normal that cannot be used, zero or not finite, computed from the faces around it";
-    for bad in ["0 0 0", "nan nan nan", "0 inf 0"] {
+    for bad in ["0 0 0", "nan nan nan", "nan 1 0", "0 inf 0"] {
         let (found, said) = normals(bad, "0.6 0 0.8");
         assert_eq!(found, Some(vec![[0.0, 0.0, 1.0], [0.6, 0.0, 0.8], [0.6, 0.0, 0.8]]), "{bad}");
         assert_eq!(said, [computed], "{bad}");
